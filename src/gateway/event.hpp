@@ -52,9 +52,9 @@ struct ClientDisplaced {
   routing::ClientAddress address;
   RefusalReason limit;  ///< full or address_full
 };
-/// Its address sends more than max_requests_per_second: requests wait for their turn. Reported once
-/// a minute for each address.
-struct ClientHeldUp {
+/// It sends more than max_requests_per_second: what is beyond gets 06. Reported once a minute for
+/// each client.
+struct ClientOverRate {
   ListenerId listener;
   routing::ClientAddress address;
 };
@@ -182,7 +182,7 @@ struct ClientLoggedIn : Asker {
 };
 
 using Event = std::variant<BusOpened, BusLost, AdapterSilent, ConnectionReplaced, ClientRefused,
-                           ClientDisplaced, ClientHeldUp, ClientFramingLost, ClientSpeaksRtu,
+                           ClientDisplaced, ClientOverRate, ClientFramingLost, ClientSpeaksRtu,
                            ClientFrameTimedOut, LineNews, LineNeverSilent, Reconfigured,
                            WriteEndedEarly, WordOrderDiffers, DeviceNews, QualityNews, FailsafeNews,
                            UnitNotRouted, ReadDenied, WriteDenied, StopDenied, WriteAccepted,

@@ -133,7 +133,7 @@ void Gateway::settle(Instant now) {
   while (settle_one(now)) {
   }
   clients_.sweep();
-  if (stopping_ && !finished_ && !exchanges_.any_open()) {
+  if (stopping_ && !finished_ && exchanges_.open_count() == 0) {
     finished_ = true;
     stop_deadline_.reset();
     clients_.set_phase(Phase::nothing);

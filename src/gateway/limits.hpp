@@ -11,28 +11,15 @@
 
 namespace mbgate::gateway {
 
-/// Bytes that are read ahead from a connection while its pipeline is full: enough to find stops in
-/// them, too few to matter with 10,000 connections.
-inline constexpr std::size_t kReadAhead = 4096;
-
-/// The driver reads a socket in pieces of at most this size: one more always fits into the
-/// read-ahead.
+/// The driver reads a socket in pieces of at most this size.
 inline constexpr std::size_t kClientReadSize = 2048;
 
-/// Arrival times that are kept for the read-ahead: of its first pieces, from which requests are
-/// taken next, and of its last. What lies between counts as old as the piece before it. This is the
-/// safe side: a request can only look older than it is; than a reload before it only where there
-/// were as many of these as there are such times.
-inline constexpr std::size_t kArrivalMarks = 32;
+/// Requests of a connection that may be outstanding, answers that were not sent yet included: more
+/// than any client waits for. Beyond that its socket is not read.
+inline constexpr std::size_t kRequestsOutstanding = 64;
 
-/// So many of them are of the last pieces. A stop is taken as soon as its last piece is there, and
-/// comes in fewer: it does not look older than it is, however many reloads there were.
-inline constexpr std::size_t kLastMarks = 8;
-
-/// Stops of a connection that may be taken from the read-ahead while earlier requests wait there:
-/// more than an operator presses a button while a pipeline is stuck, too few to crowd out the stops
-/// of other clients.
-inline constexpr std::size_t kStopReserve = 16;
+/// Requests of all connections that may be outstanding: about 64 MB. Beyond that they get 06.
+inline constexpr std::size_t kRequestsOfAll = 32768;
 
 /// Writes wait at most three times the longest response timeout of the bus, and 0.5 s. That is what
 /// a lost answer costs (its timeout and the quarantine after it), and one silent device before. Not
@@ -80,8 +67,9 @@ inline constexpr std::size_t kToldValues = 8;
 /// (RFC 5280, ub-common-name).
 inline constexpr std::size_t kToldName = 64;
 
-/// That requests of a client address are held up is told so often: who is too fast is so for hours.
-inline constexpr bus::Duration kHeldToldEvery = std::chrono::minutes(1);
+/// That requests of a client are refused because they come too fast is told so often: who is too
+/// fast is so for hours.
+inline constexpr bus::Duration kOverRateToldEvery = std::chrono::minutes(1);
 
 /// A deadline that is so late is missed: longer than a loaded machine keeps a process waiting.
 inline constexpr bus::Duration kOverdue = std::chrono::seconds(1);

@@ -21,10 +21,6 @@ class SecondRate {
     return place;
   }
   void take(bus::Instant place) { rested_at_ = place + kSecond; }
-  /// All is as it was before the place was taken.
-  void give_back(unsigned per_second, bus::Instant place) {
-    rested_at_ = place + kSecond - kSecond / per_second;
-  }
   /// Has there been a pause of a second, or what counts as one?
   [[nodiscard]] bool is_rested(bus::Instant now) const { return rested_at_ <= now; }
   [[nodiscard]] bus::Instant rested_at() const { return rested_at_; }

@@ -70,7 +70,7 @@ struct ListenerSettings {
   std::size_t max_connections_per_address = 64;
   unsigned max_connects_per_second = 100;   ///< from one address; 0: any number
   unsigned max_requests_per_second = 5000;  ///< from one address; 0: any number
-  std::size_t pipeline = 16;                ///< requests outstanding on one connection
+  std::size_t pipeline = 64;                ///< requests of a connection that buses may have
   bool ordered = false;                     ///< responses in the order of the requests
   Duration idle_timeout{0};                 ///< 0: never
   Duration frame_timeout = std::chrono::seconds(10);

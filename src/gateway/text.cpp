@@ -214,10 +214,10 @@ struct EventText {
                   "(" +
                       std::to_string(listener.max_connections_per_address) + ") is reached");
   }
-  std::string operator()(const ClientHeldUp& e) const {
+  std::string operator()(const ClientOverRate& e) const {
     return client_text(settings, e) + " sends more than max_requests_per_second (" +
            std::to_string(settings.listener(e.listener).max_requests_per_second) +
-           "): its requests wait for their turn, stops excepted";
+           "): requests beyond that get exception 06, stops excepted";
   }
   std::string operator()(const ClientFramingLost& e) const {
     return client_text(settings, e) + " closed: MBAP length " + std::to_string(e.length) +

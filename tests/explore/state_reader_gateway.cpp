@@ -28,9 +28,9 @@ void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
   require(!completed.poll(), "nothing is left to do");
   hash.add(requests.in_use());
   hash.add(jobs.in_use());
-  // Whatever arrives from now on is younger than all of them: stop_marks. Only without guards:
-  // writers, and all of failsafe.
-  [[maybe_unused]] auto& [in_force, stop_marks, writers] = rules;
+  // Whatever arrives from now on is younger than all of them: stop_marks, sequence. Only without
+  // guards: writers, and all of failsafe.
+  [[maybe_unused]] auto& [in_force, stop_marks, writers, sequence] = rules;
   // For the trace: traced.
   auto& [slots, touched, traced] = buses;
   require(touched.empty(), "nothing is left to do");
@@ -48,9 +48,9 @@ void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Has
   [[maybe_unused]] auto& [door_settings, door_exchanges, door_rules, door_failsafe, door_sessions,
                           door_actions, limits, logins] = door;
   // Of the intake: the phase is as far as the gateway has come; counted or told only: counters,
-  // denials, unrouted_told. Dealt with: request, stop. The same settings all the time: changed_at.
+  // denials, unrouted_told. Dealt with: request. The same settings all the time: changed_at.
   // No rules: access.
-  [[maybe_unused]] auto& [of_settings, of_rules, of_actions, phase, request, stop, counters, access,
+  [[maybe_unused]] auto& [of_settings, of_rules, of_actions, phase, request, counters, access,
                           denials, unrouted_told, changed_at] = intake;
   require(changed_at.empty(), "the settings stay the same");
   // Only with partial requests or idle timeouts: timers. As many as there are clients: on_listener,
@@ -67,18 +67,17 @@ void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Has
 void StateReader::read(const gateway::ClientSession& session, gateway::Gateway& gateway,
                        Hash& hash) {
   // Settings: id, info, key, listener, rights, turns. Told only: speaks_rtu_reported, has_asked,
-  // requests, refused. Counts for idle clients only: last_activity. Nothing is read ahead
-  // and no pipeline is full: ahead, partial_since, timer_armed_at, pauses, and where in the stream
-  // it is: position, read_position, unread, seen_empty.
-  const auto& [input, ahead, answers, has_asked, is_closed, is_leaving, speaks_rtu_reported,
-               requests, refused, last_activity, partial_since, held_until, has_turn, is_in_line,
-               timer_armed_at, turns, exchanges, id, info, key, listener, rights, position, paused,
-               half_closed, pauses, read_position, unread, seen_empty] = session;
+  // requests, refused. Counts for idle clients only: last_activity. Everything was read and went on
+  // to the bus: partial_since, timer_armed_at, held_requests, waits_since, seen_empty.
+  const auto& [input, answers, has_asked, is_closed, is_leaving, speaks_rtu_reported, requests,
+               refused, last_activity, partial_since, timer_armed_at, turns, exchanges,
+               held_requests, id, info, key, listener, rights, paused, half_closed, waits_since,
+               seen_empty] = session;
   // Settings: ordered. Not ordered: first_held.
   const auto& [ordered, open, unsent, held, first_held] = answers;
-  require(input.empty() && !session.is_full() && held.empty() && pauses.empty() && !partial_since &&
-              !held_until && !has_turn && !is_in_line && !timer_armed_at && unread == 0,
-          "nothing is read ahead");
+  require(input.empty() && !session.is_full() && held.empty() && held_requests.empty() &&
+              !waits_since && !partial_since && !timer_armed_at,
+          "everything was read and went on to the bus");
   require(listener->idle_timeout == Duration{0}, "idle clients stay");
   require(!is_closed, "closed clients are gone");
   hash.add(is_leaving);
@@ -98,9 +97,11 @@ void StateReader::read(const gateway::Exchange& exchange, gateway::Gateway& gate
   }
   // One for all: snapshot; of that and the unit: route. Of its client: listener, address. Unordered
   // answers have no place: answer. For the trace: ended_as.
-  const auto& [snapshot, route, client, listener, address, client_gone, answer, header, plan, parts,
-               response, failed, was_on_wire, wrong_word_order, had_no_path, ended_as] = exchange;
-  require(plan.has_value(), "a request of a client");
+  // Whatever is asked from now on has a later number: arrival, sequence.
+  const auto& [snapshot, route, client, listener, address, client_gone, arrival, sequence, is_held,
+               answer, header, plan, parts, response, failed, was_on_wire, wrong_word_order,
+               had_no_path, ended_as] = exchange;
+  require(plan && !is_held, "a request of a client that is on the bus");
   hash.add(client);
   hash.add(header.transaction);
   hash.add(header.unit);

@@ -94,8 +94,8 @@ struct EventTopic {
   Topic operator()(const gateway::ClientDisplaced& e) const {
     return of_client(message_id::kClientDisplaced, e);
   }
-  Topic operator()(const gateway::ClientHeldUp& e) const {
-    return of_client(message_id::kClientHeldUp, e);
+  Topic operator()(const gateway::ClientOverRate& e) const {
+    return of_client(message_id::kClientOverRate, e);
   }
   Topic operator()(const gateway::ClientFramingLost& e) const {
     return of_client(message_id::kClientFramingLost, e);

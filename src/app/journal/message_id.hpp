@@ -68,7 +68,7 @@ inline constexpr MessageId kClientNoRoom{"737e12e1b33b4dffa6d1a87b96250fcf"};
 inline constexpr MessageId kClientWhileStopping{"80d4525fd4924fa5a537f22298b2b452"};
 inline constexpr MessageId kClientAddressFull{"55b29072b0094079951f10d6f4a1566e"};
 inline constexpr MessageId kClientTooOften{"c3f63bbef5ab45728efbcf76c3be5cc6"};
-inline constexpr MessageId kClientHeldUp{"ccb569aa9abf418f9c6124fec2d3e626"};
+inline constexpr MessageId kClientOverRate{"ccb569aa9abf418f9c6124fec2d3e626"};
 inline constexpr MessageId kClientDisplaced{"af52e3b3adb24e539419b9700fff4014"};
 inline constexpr MessageId kClientFramingLost{"902aa8155c9141c1a6ccdc6f44997388"};
 inline constexpr MessageId kClientSpeaksRtu{"2216a36b597145a397ec49f589b12854"};

@@ -83,9 +83,9 @@ void add_listener(MetricBook& book, const gateway::ListenerStatus& listener,
                failures == tls_failures.end() ? 0 : static_cast<double>(failures->second));
   book.counter({"mbgate_listener_requests_total", "Requests of clients."}, labels(),
                static_cast<double>(counters.requests));
-  book.counter({"mbgate_listener_held_requests_total",
-                "How often a request had to wait because its address had sent too many."},
-               labels(), static_cast<double>(counters.held_up));
+  book.counter({"mbgate_listener_over_rate_requests_total",
+                "Requests refused because their client sent more than max_requests_per_second."},
+               labels(), static_cast<double>(counters.over_rate));
   const MetricBook::Kind refused{
       "mbgate_listener_refused_requests_total",
       "Requests that the gateway itself answered with an exception, by its code."};

@@ -63,7 +63,7 @@ constexpr std::array kListenerKeys = {
                                                       IntegerRange{0, 1'000'000}),
     plain<&ListenerSettings::max_requests_per_second>("max_requests_per_second",
                                                       IntegerRange{0, 1'000'000}),
-    plain<&ListenerSettings::pipeline>("pipeline", IntegerRange{1, 1024}),
+    plain<&ListenerSettings::pipeline>("pipeline", IntegerRange{1, 64}),
     plain<&ListenerSettings::ordered>("ordered", Truth{}),
     plain<&ListenerSettings::idle_timeout>("idle_timeout", DurationRange{10ms, 1000h, true}),
     plain<&ListenerSettings::frame_timeout>("frame_timeout", DurationRange{10ms, 1h}),

@@ -127,7 +127,7 @@ WhoAnswer planned(const SettingsSnapshot& settings, const ClientInfo& client, st
     return answer;
   }
   const ClientKey key = key_of(client, settings.settings.listener(client.listener));
-  const WriteOrigin origin{ClientId{}, client, key, 0, Instant{}};
+  const WriteOrigin origin{ClientId{}, client, key, Instant{}};
   if (const auto objection = rules.objection(plan, origin, Instant{})) {
     return by_writer(settings, client, plan, *objection);
   }

@@ -2,7 +2,6 @@
 #include "gateway/clients/address_limits.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "gateway/limits.hpp"
 
@@ -52,70 +51,21 @@ void AddressLimits::forget(Instant now) {
   }
 }
 
-bool AddressLimits::may_ask(ClientSession& session, Instant now) {
+bool AddressLimits::may_ask(const ClientSession& session, Instant now) {
   const unsigned most = session.listener().max_requests_per_second;
-  if (most == 0) {
-    give_back(session, now);
+  SecondRate& requests = entries_.at(place_of(session)).requests;
+  if (most == 0 || requests.next(most, now) <= now) {
+    if (most > 0) {
+      requests.take(most, now);
+    }
     return true;
   }
-  session.end_hold(now);
-  if (session.has_turn || session.ahead.has(session.position())) {
-    return true;
-  }
-  if (session.held_until) {
-    return false;
-  }
-  Entry& entry = entries_.at(place_of(session));
-  const Instant turn = entry.requests.take(most, now);
-  if (turn <= now) {
-    return true;
-  }
-  session.held_until = turn;
-  session.is_in_line = true;
-  entry.line.push_back({&session, turn, most});
   return false;
 }
 
-void AddressLimits::use_turn(ClientSession& session) {
-  if (std::exchange(session.has_turn, false) && std::exchange(session.is_in_line, false)) {
-    auto& line = entries_.at(place_of(session)).line;
-    line.erase(std::ranges::find(line, &session, &Waiting::session));
-  }
-}
-
-// Who waits behind it moves up: otherwise the next one to come would get the turn of the last. A
-// turn that has come is over: later ones may have been used.
-std::vector<ClientSession*> AddressLimits::give_back(ClientSession& session, Instant now) {
-  session.held_until.reset();
-  session.has_turn = false;
-  if (!std::exchange(session.is_in_line, false)) {
-    return {};
-  }
-  Entry& entry = entries_.at(place_of(session));
-  const auto own = std::ranges::find(entry.line, &session, &Waiting::session);
-  const Waiting given_back = *own;
-  auto next = entry.line.erase(own);
-  if (given_back.turn <= now) {
-    return {};
-  }
-  entry.requests.give_back(given_back.per_second, given_back.turn);
-  const unsigned most = session.listener().max_requests_per_second;
-  std::vector<ClientSession*> moved;
-  for (; next != entry.line.end(); ++next) {
-    const Instant turn = most == 0 ? next->turn : entry.requests.next(most, now);
-    if (turn < next->turn) {
-      *next = {next->session, turn, most};
-      next->session->held_until = turn;
-      moved.push_back(next->session);
-    }
-    entry.requests.take(next->turn);
-  }
-  return moved;
-}
-
-bool AddressLimits::is_news(const ClientSession& session, Instant now) {
+bool AddressLimits::is_to_be_told(const ClientSession& session, Instant now) {
   std::optional<Instant>& told_at = entries_.at(place_of(session)).told_at;
-  if (told_at && now < *told_at + kHeldToldEvery) {
+  if (told_at && now < *told_at + kOverRateToldEvery) {
     return false;
   }
   told_at = now;

@@ -3,16 +3,12 @@
 // how many come within a second, how many requests they send within one. Without these a single
 // computer could take all places of a listener, and all of the processor.
 //
-// A connection too many is refused. A request too many is neither refused nor lost: it is not taken
-// until it is its turn, and the socket is read no further than the read-ahead, as with a full
-// pipeline. TCP then slows the client down, and every request still gets its answer. Stops are
-// taken out of the read-ahead at once.
+// A connection too many is refused; a request too many gets 06 at once, unless it is a stop.
 #pragma once
 
 #include <deque>
 #include <map>
 #include <utility>
-#include <vector>
 
 #include "gateway/clients/client_session.hpp"
 #include "gateway/second_rate.hpp"
@@ -30,28 +26,17 @@ class AddressLimits {
   void came(const ClientSession& session, Instant now);
   void left(const ClientSession& session);
 
-  /// May the next request of the client be taken? If not, its turn is at `session.held_until`. The
-  /// connections of an address take turns. What a stop waits for is never held up.
-  bool may_ask(ClientSession& session, Instant now);
-  /// It has taken a request.
-  void use_turn(ClientSession& session);
-  /// It has no request that its turn could be for. Returns whose turn comes earlier now.
-  std::vector<ClientSession*> give_back(ClientSession& session, Instant now);
-  /// To be told to the operator now, that requests of this address are held up? Once a minute.
-  bool is_news(const ClientSession& session, Instant now);
+  /// May the client ask something now? If so, it has. Stops need not ask.
+  [[nodiscard]] bool may_ask(const ClientSession& session, Instant now);
+  /// Is the operator to be told now that requests of this client are refused? Once a minute.
+  [[nodiscard]] bool is_to_be_told(const ClientSession& session, Instant now);
 
  private:
   using Key = std::pair<ListenerId, ClientKey>;
-  struct Waiting {
-    ClientSession* session;
-    Instant turn;
-    unsigned per_second;  ///< it was taken by that limit
-  };
   struct Entry {
     std::size_t connections = 0;
     SecondRate connects;
     SecondRate requests;
-    std::vector<Waiting> line;  ///< in the order of their turns
     std::optional<Instant> told_at;
   };
   static Key place_of(const ClientInfo& info, const ListenerSettings& listener) {

@@ -80,28 +80,21 @@ void ClientDoor::refuse(const ClientInfo& info, RefusalReason reason) {
   sessions_.counters(info.listener).note_refused(reason);
 }
 
-bool ClientDoor::may_ask(ClientSession& session, Instant now) {
-  const bool was_held = session.held_until.has_value();
-  const bool has_turn = limits_.may_ask(session, now);
-  if (session.held_until && !was_held) {
-    ++sessions_.counters(session.info().listener).held_up;
-    if (limits_.is_news(session, now)) {
-      actions_.push(Report{ClientHeldUp{session.info().listener, session.info().address}});
-    }
+bool ClientDoor::may_ask(const ClientSession& session, Instant now) {
+  if (limits_.may_ask(session, now)) {
+    return true;
   }
-  return has_turn;
+  ++sessions_.counters(session.info().listener).over_rate;
+  if (limits_.is_to_be_told(session, now)) {
+    actions_.push(Report{ClientOverRate{session.info().listener, session.info().address}});
+  }
+  return false;
 }
 
 void ClientDoor::drop_requests(ClientSession& session) {
   for (const std::uint32_t exchange : std::exchange(session.exchanges, {})) {
     exchanges_[exchange].client_gone = true;
     exchanges_.cancel(exchange);
-  }
-}
-
-void ClientDoor::give_turn_back(ClientSession& session, Instant now) {
-  for (const ClientSession* moved : limits_.give_back(session, now)) {
-    sessions_.wake(*moved);
   }
 }
 
@@ -113,8 +106,6 @@ void ClientDoor::close(ClientSession& session, Instant now) {
 void ClientDoor::forget(ClientSession& session, Instant now) {
   drop_requests(session);
   failsafe_.client_gone(session.id(), now);
-  rules_.client_gone(session.id());
-  give_turn_back(session, now);
   limits_.left(session);
   sessions_.close(session);
 }

@@ -31,13 +31,8 @@ class ClientDoor {
 
   /// Lets the client in, or closes its connection.
   void connected(ClientId client, const ClientInfo& info, Phase phase, Instant now);
-  /// May its next request be taken, which has come whole? If not, its turn is at
-  /// `session.held_until`, and it counts as sent already.
-  [[nodiscard]] bool may_ask(ClientSession& session, Instant now);
-  /// A stop that took no turn was its next request, and nothing whole has come behind it.
-  void give_turn_back(ClientSession& session, Instant now);
-  /// Its next request was taken.
-  void use_turn(ClientSession& session) { limits_.use_turn(session); }
+  /// Is another request, which is no stop, within the client's rate?
+  [[nodiscard]] bool may_ask(const ClientSession& session, Instant now);
   /// Nobody is told what becomes of its requests.
   void drop_requests(ClientSession& session);
   /// Closes its connection.

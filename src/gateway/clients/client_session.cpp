@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "gateway/limits.hpp"
-
 namespace mbgate::gateway {
 
 ClientSession::ClientSession(ClientId id, const ClientInfo& info, const ListenerSettings& listener,
@@ -16,22 +14,21 @@ ClientSession::ClientSession(ClientId id, const ClientInfo& info, const Listener
       key_(key_of(info, listener)),
       listener_(&listener),
       rights_{listener.read_only.contains(info.address, info.role)},
-      seen_empty_(now) {}
+      seen_empty_(now) {
+  if (info.bytes_before_ready > 0) {
+    waits_since_ = Instant::min();
+  }
+}
 
 void ClientSession::adopt(const ListenerSettings& listener) {
   listener_ = &listener;
   rights_ = {listener.read_only.contains(info_.address, info_.role)};
 }
 
-Instant ClientSession::arrival_of(std::size_t bytes, std::size_t unread, Instant now) {
-  const Instant arrival = pauses_.empty() ? now : pauses_.front().began;
-  read_position_ += bytes;
-  unread_ = unread;
-  while (pauses_.size() > 1 && pauses_[1].position <= read_position_) {
-    pauses_.erase(pauses_.begin());
-  }
+Instant ClientSession::arrival_of(std::size_t unread, Instant now) {
+  const Instant arrival = waits_since_.value_or(now);
   if (unread == 0) {
-    pauses_.clear();
+    waits_since_.reset();
     seen_empty_ = now;
   }
   return arrival;
@@ -39,45 +36,27 @@ Instant ClientSession::arrival_of(std::size_t bytes, std::size_t unread, Instant
 
 void ClientSession::stall(Instant since) {
   const bool is_read_to_the_end = half_closed_ && !paused_;
-  if (pauses_.empty() && !is_read_to_the_end) {
+  if (!waits_since_ && !is_read_to_the_end) {
     // Of a client with TLS, what was not handed on yet does not lie in this socket.
     const bool lies_here = info_.role.kind == routing::ClientRole::Kind::none;
-    pauses_.push_back({read_position_, lies_here ? std::max(since, seen_empty_) : since});
+    waits_since_ = lies_here ? std::max(since, seen_empty_) : since;
   }
 }
 
 void ClientSession::half_close() {
   half_closed_ = true;
   if (!paused_) {
-    pauses_.clear();  // the FIN was read, and so was everything before it
-  }
-}
-
-void ClientSession::end_hold(Instant now) {
-  if (held_until && now >= *held_until) {
-    held_until.reset();
-    has_turn = true;
+    waits_since_.reset();  // the FIN was read, and so was everything before it
   }
 }
 
 std::optional<ClientSession::Reading> ClientSession::update_reading(Instant now) {
-  // One more piece must still fit into the read-ahead.
-  const bool enough = is_held_up() && input.size() + kClientReadSize > kReadAhead;
-  if (enough == paused_) {
+  if (is_full() == paused_) {
     return std::nullopt;
   }
-  paused_ = enough;
-  if (paused_) {
-    // What is in the socket by now is as old as it was; what comes behind it counts from this
-    // pause. Without room for another mark it counts as older still.
-    if (pauses_.empty()) {
-      pauses_.push_back({read_position_, now});
-    } else if (pauses_.size() < kArrivalMarks) {
-      pauses_.push_back({read_position_ + unread_, now});
-    }
-    return Reading::pause;
-  }
-  return Reading::resume;
+  paused_ = !paused_;
+  waits_since_ = waits_since_.value_or(now);  // resumed: until the socket was read
+  return paused_ ? Reading::pause : Reading::resume;
 }
 
 ClientSession::Overdue ClientSession::overdue(Instant now) const {
@@ -94,7 +73,7 @@ ClientSession::Overdue ClientSession::overdue(Instant now) const {
 
 std::optional<Instant> ClientSession::next_look(Instant now) const {
   if (may_have_asked()) {
-    return held_until;
+    return std::nullopt;
   }
   std::optional<Instant> next;
   if (partial_since) {
@@ -104,11 +83,11 @@ std::optional<Instant> ClientSession::next_look(Instant now) const {
     const Instant active = is_at_rest() ? last_activity : now;
     next = bus::earlier(next, active + listener_->idle_timeout);
   }
-  return bus::earlier(next, held_until);
+  return next;
 }
 
 void ClientSession::note_partial(Instant now) {
-  const bool is_partial = !input.empty() && !is_held_up();
+  const bool is_partial = !input.empty() && !is_full();
   if (!is_partial) {
     partial_since.reset();
   } else if (!partial_since) {

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// One TCP connection: its read-ahead, the answers that are due, and when it may be read further. It
-// neither parses nor routes; the gateway does.
+// One TCP connection: what came and is no request yet, the answers that are due, and when it may be
+// read further. It neither parses nor routes; the gateway does.
 #pragma once
 
 #include <boost/container/small_vector.hpp>
 #include <cstdint>
+#include <deque>
 #include <optional>
 
 #include "gateway/client.hpp"
+#include "gateway/clients/client_input.hpp"
 #include "gateway/clients/due_answers.hpp"
-#include "gateway/clients/early_stops.hpp"
-#include "gateway/clients/read_ahead.hpp"
+#include "gateway/limits.hpp"
 #include "routing/access.hpp"
 
 namespace mbgate::gateway {
@@ -28,31 +29,24 @@ class ClientSession {
   /// New settings of the listener.
   void adopt(const ListenerSettings& listener);
 
-  /// Are `pipeline` requests outstanding? No other is taken then.
-  [[nodiscard]] bool is_full() const { return answers.outstanding() >= listener_->pipeline; }
-  /// Is no request taken now, whatever has come? Stops still are.
-  [[nodiscard]] bool is_held_up() const { return is_full() || held_until; }
-  /// Its turn may have come (AddressLimits).
-  void end_hold(Instant now);
+  /// Are as many requests outstanding as a connection may have? No other is taken then, and the
+  /// socket is not read.
+  [[nodiscard]] bool is_full() const { return answers.outstanding() >= kRequestsOutstanding; }
+  /// May a request go on to the buses?
+  [[nodiscard]] bool has_room_on_buses() const {
+    return exchanges.size() - held.size() < listener_->pipeline;
+  }
 
-  /// The arrival time of bytes that were just read. If they may have come since reading was paused,
-  /// they count as having arrived at the beginning of the pause. `unread`: bytes that can still be
-  /// read from the socket.
-  Instant arrival_of(std::size_t bytes, std::size_t unread, Instant now);
+  /// The arrival time of bytes that were just read: when the socket was last seen empty before, or
+  /// now, if it was never seen otherwise. `unread`: bytes that can still be read from the socket.
+  Instant arrival_of(std::size_t unread, Instant now);
   /// Nothing was read since then, and what comes next may have waited as long: without TLS no
   /// longer than since the socket was seen empty. What waited already is older still.
   void stall(Instant since);
-  /// Where in the client's stream the next request begins.
-  [[nodiscard]] std::uint64_t position() const { return position_; }
   /// The request at the front of `input` was handled: removes it.
   void pass(std::size_t bytes) {
-    position_ += bytes;
     input.consume(bytes);
     partial_since.reset();
-  }
-  /// Is the request that begins there older than this process?
-  [[nodiscard]] bool is_before_ready(std::uint64_t position) const {
-    return position < info_.bytes_before_ready;
   }
 
   /// Call it after bytes or answers came. Returns whether reading must be paused or may be resumed;
@@ -65,12 +59,10 @@ class ClientSession {
   [[nodiscard]] bool is_half_closed() const { return half_closed_; }
   /// Half-closed, everything read, everything answered and sent.
   [[nodiscard]] bool is_finished() const {
-    return half_closed_ && pauses_.empty() && answers.outstanding() == 0 && !held_until;
+    return half_closed_ && !waits_since_ && answers.outstanding() == 0;
   }
   /// Nothing that it has asked for is left to do.
-  [[nodiscard]] bool is_at_rest() const {
-    return answers.outstanding() == 0 && !held_until && !has_turn;
-  }
+  [[nodiscard]] bool is_at_rest() const { return answers.outstanding() == 0; }
 
   /// Which timeout of the client has passed.
   enum class Overdue : std::uint8_t { nothing, idle, within_request };
@@ -81,8 +73,7 @@ class ClientSession {
   /// `input` while it could be taken.
   void note_partial(Instant now);
 
-  ReadAhead input;
-  EarlyStops ahead;
+  ClientInput input;
   DueAnswers answers;
   bool has_asked = false;  ///< it has sent a valid request
   bool is_closed = false;  ///< removed as soon as it is no longer in use
@@ -92,36 +83,26 @@ class ClientSession {
   std::uint64_t requests = 0;  ///< requests and refusals are counted for displays only
   std::uint64_t refused = 0;   ///< answered with an exception of the gateway's own
   Instant last_activity;
-  std::optional<Instant> partial_since;  ///< an incomplete ADU is at the front of `input`
-  /// Its address has sent too many requests: the next one is taken then.
-  std::optional<Instant> held_until;
-  bool has_turn = false;                  ///< the next request is within the rate of its address
-  bool is_in_line = false;                ///< it has waited for that turn, or still does
+  std::optional<Instant> partial_since;   ///< an incomplete ADU is at the front of `input`
   std::optional<Instant> timer_armed_at;  ///< its entry in ClientTimers
   const Turns* turns = nullptr;           ///< of its address, until it is closed
   boost::container::small_vector<std::uint32_t, 4> exchanges;
+  std::deque<std::uint32_t> held;  ///< of these, those beyond `pipeline`, which no bus has yet
 
  private:
   /// What ends its timeouts may lie in the socket: they are judged when that has been read.
-  [[nodiscard]] bool may_have_asked() const { return !pauses_.empty() && !paused_; }
+  [[nodiscard]] bool may_have_asked() const { return waits_since_ && !paused_; }
 
   ClientId id_;
   ClientInfo info_;
   ClientKey key_;
   const ListenerSettings* listener_;
   routing::ClientRights rights_;
-  std::uint64_t position_ = 0;
   bool paused_ = false;
   bool half_closed_ = false;
-  /// From this position of the stream on, bytes came after a pause had begun.
-  struct PauseMark {
-    std::uint64_t position;
-    Instant began;
-  };
-  boost::container::small_vector<PauseMark, 1> pauses_;  // until the socket was seen empty
-  std::uint64_t read_position_ = 0;
-  std::size_t unread_ = 0;  // in the socket, after the last reading
-  Instant seen_empty_;      // when nothing lay there, or the connection was let in
+  /// What lies in the socket may have waited there since then; nothing: the socket is empty.
+  std::optional<Instant> waits_since_;
+  Instant seen_empty_;  // when nothing lay there, or the connection was let in
 };
 
 }  // namespace mbgate::gateway

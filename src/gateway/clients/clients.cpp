@@ -30,7 +30,10 @@ void Clients::received(ClientId client, modbus::Bytes bytes, std::size_t unread,
   if (!session->has_asked) {
     intake_.notice_rtu(*session, bytes);  // some RTU frames can be read as MBAP
   }
-  session->input.append(bytes, session->arrival_of(bytes.size(), unread, now));
+  const Instant arrival = session->arrival_of(unread, now);
+  if (!bytes.empty()) {
+    session->input.append(bytes, {arrival, now});
+  }
   sessions_.wake(*session);
 }
 
@@ -77,10 +80,6 @@ void Clients::handle_deadline(Instant now) {
         break;
       case ClientSession::Overdue::idle: door_.close(*session, now); break;
       case ClientSession::Overdue::nothing:
-        session->end_hold(now);
-        if (session->has_turn) {
-          sessions_.wake(*session);
-        }
         sessions_.look_at(*session, session->next_look(now));
         break;
     }
@@ -89,7 +88,10 @@ void Clients::handle_deadline(Instant now) {
 
 void Clients::set_phase(Phase phase) {
   intake_.set_phase(phase);
-  sessions_.for_each([this](const ClientSession& session) { sessions_.wake(session); });
+  sessions_.for_each([this](const ClientSession& session) {
+    requests_.end_held(session);
+    sessions_.wake(session);
+  });
 }
 
 bool Clients::serve_one(Instant now) {
@@ -102,30 +104,17 @@ bool Clients::serve_one(Instant now) {
 
 void Clients::serve(ClientSession& session, Instant now) {
   Intake::Front front = intake_.front(session);
-  for (; front.frame && may_take(session, now); front = intake_.front(session)) {
-    const auto taken = intake_.take(session, *front.frame, now);
-    if (taken.request != nullptr) {
-      door_.use_turn(session);
-      requests_.accept(session, *taken.request, now);
-    } else {
-      requests_.pass_early(session, *taken.stop);
+  for (; front.frame; front = intake_.front(session)) {
+    Request& request = intake_.take(session, *front.frame, now);
+    const bool may_ask = request.is_stop || intake_.phase() != Phase::running ||
+                         (door_.may_ask(session, now) && has_room_for_requests());
+    if (!may_ask && !request.refused) {
+      request.for_gateway = false;
+      request.refused = modbus::ExceptionCode::server_device_busy;
     }
+    requests_.accept(session, request, now);
   }
-  if (front.framing_lost) {
-    door_.close(session, now);
-    return;
-  }
-  if (!front.frame && !session.is_full()) {
-    door_.give_turn_back(session, now);
-  }
-  if (session.is_held_up()) {
-    take_early_stops(session, now);
-  }
-  const bool may_go_on = session.held_until && !session.is_full();
-  if (may_go_on && session.ahead.has(session.position())) {
-    sessions_.wake(session);  // as far as to the last of these stops
-  }
-  if (session.is_finished()) {
+  if (front.framing_lost || session.is_finished()) {
     door_.close(session, now);
     return;
   }
@@ -140,26 +129,13 @@ void Clients::serve(ClientSession& session, Instant now) {
   sessions_.look_at(session, session.next_look(now));
 }
 
-bool Clients::may_take(ClientSession& session, Instant now) {
-  if (intake_.phase() != Phase::running) {
-    session.held_until.reset();
-    return true;
-  }
-  return door_.may_ask(session, now);
-}
-
-void Clients::take_early_stops(ClientSession& session, Instant now) {
-  intake_.begin_early(session);
-  while (Request* stop = intake_.next_early(session, now)) {
-    requests_.accept(session, *stop, now);
-  }
-}
-
 // The stops that it has sent are still taken.
 void Clients::leave(ClientSession& session, Instant now) {
   session.is_leaving = true;
   door_.drop_requests(session);  // before a stop sets the bus going
-  take_early_stops(session, now);
+  while (Request* stop = intake_.take_stop(session, now)) {
+    requests_.accept(session, *stop, now);
+  }
 }
 
 void Clients::close_unwanted(const Settings& next, Instant now) {
@@ -184,9 +160,12 @@ void Clients::close_unwanted(const Settings& next, Instant now) {
 }
 
 void Clients::adopt(const SettingsSnapshot& before, Instant now) {
-  sessions_.adopt(settings_.settings(), now);
+  sessions_.adopt(settings_.settings());
   intake_.adopt(before, now);
-  sessions_.for_each([&](const ClientSession& session) { requests_.end_withdrawn(session, now); });
+  sessions_.for_each([&](ClientSession& session) {
+    requests_.end_withdrawn(session, now);
+    requests_.end_outdated(session, before);
+  });
 }
 
 }  // namespace mbgate::gateway

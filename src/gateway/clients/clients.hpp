@@ -22,7 +22,7 @@ class Clients {
   /// Closes clients whose timeout has passed.
   void handle_deadline(Instant now);
   [[nodiscard]] std::optional<Instant> next_deadline() const { return sessions_.next_look(); }
-  /// From now on only this much is started. Requests in the read-ahead are answered.
+  /// From now on only this much is started. Requests that no bus has yet get 06.
   void set_phase(Phase phase);
 
   /// Serves a client for which something may be done; false if there is none.
@@ -44,8 +44,9 @@ class Clients {
 
  private:
   void serve(ClientSession& session, Instant now);
-  [[nodiscard]] bool may_take(ClientSession& session, Instant now);
-  void take_early_stops(ClientSession& session, Instant now);
+  [[nodiscard]] bool has_room_for_requests() const {
+    return exchanges_.open_count() < kRequestsOfAll;
+  }
   void leave(ClientSession& session, Instant now);
 
   const SettingsHistory& settings_;

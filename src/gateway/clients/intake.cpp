@@ -11,8 +11,8 @@ namespace mbgate::gateway {
 using modbus::ExceptionCode;
 
 Intake::Front Intake::front(ClientSession& session) {
-  // When the gateway stops, what was read ahead is answered too.
-  while (phase_ != Phase::running || !session.is_full()) {
+  // When the gateway stops, or the client goes, all that was read is looked at.
+  while (phase_ != Phase::running || session.is_leaving || !session.is_full()) {
     modbus::MbapScan scan = modbus::scan_mbap(session.input.bytes());
     if (auto* frame = std::get_if<modbus::MbapFrame>(&scan)) {
       session.has_asked = true;
@@ -38,23 +38,29 @@ Intake::Front Intake::front(ClientSession& session) {
   return {};
 }
 
-Intake::Taken Intake::take(ClientSession& session, const modbus::MbapFrame& frame, Instant now) {
-  const std::uint64_t position = session.position();
-  if (session.ahead.has(position)) {
-    stop_ = session.ahead.take(position);
-    session.pass(frame.size);
-    return {.stop = &*stop_};
-  }
-  Request& request = understand(session, frame.adu, position, session.input.arrival_at(0));
+Request& Intake::take(ClientSession& session, const modbus::MbapFrame& frame, Instant now) {
+  Request& request = understand(session, frame.adu);
   judge(session, request, now);
   session.pass(frame.size);
   ++counters_.requests;
-  return {.request = &request};
+  return request;
 }
 
-Request& Intake::understand(const ClientSession& session, const modbus::MbapAdu& adu,
-                            std::uint64_t position, Instant arrival) {
-  Request& request = request_.emplace(adu, position, arrival);
+Request* Intake::take_stop(ClientSession& session, Instant now) {
+  for (Front next = front(session); next.frame; next = front(session)) {
+    Request& request = understand(session, next.frame->adu);
+    judge(session, request, now);
+    session.pass(next.frame->size);
+    if (request.is_stop && !request.refused) {
+      ++counters_.requests;
+      return &request;
+    }
+  }
+  return nullptr;
+}
+
+Request& Intake::understand(const ClientSession& session, const modbus::MbapAdu& adu) {
+  Request& request = request_.emplace(adu, session.input.times());
   if (settings_.settings().status_unit == adu.header.unit) {
     request.for_gateway = true;
     apply_rules(session, request);
@@ -127,13 +133,11 @@ std::optional<ExceptionCode> Intake::objection(const ClientSession& session, con
   if (plan.is_read()) {
     return is_running ? std::nullopt : std::optional(kNotNow);
   }
-  if (session.is_before_ready(request.position)) {
-    return kNotNow;
-  }
   if (request.is_stop) {
     return phase_ == Phase::nothing ? std::optional(kNotNow) : std::nullopt;
   }
-  if (!is_running || session.is_half_closed()) {
+  const bool is_of_before = request.arrival == Instant::min();
+  if (!is_running || session.is_half_closed() || is_of_before) {
     return kNotNow;
   }
   return rules_.objection(plan, request.origin(session), now);
@@ -210,44 +214,6 @@ void Intake::notice_rtu(ClientSession& session, modbus::Bytes stream) {
     session.speaks_rtu_reported = true;
     actions_.push(Report{ClientSpeaksRtu{session.info().listener, session.info().address}});
   }
-}
-
-void Intake::begin_early(ClientSession& session) const {
-  session.ahead.begin_look(session.position(), session.is_leaving);
-}
-
-Request* Intake::next_early(ClientSession& session, Instant now) {
-  while (session.is_leaving || session.ahead.has_room()) {
-    const std::uint64_t position = session.ahead.looking_at();
-    const auto offset = static_cast<std::size_t>(position - session.position());
-    const modbus::MbapScan scan = modbus::scan_mbap(session.input.bytes().subspan(offset));
-    if (const auto* foreign = std::get_if<modbus::MbapForeign>(&scan)) {
-      session.ahead.look_past(foreign->size);
-      continue;
-    }
-    const auto* frame = std::get_if<modbus::MbapFrame>(&scan);
-    if (frame == nullptr) {
-      break;
-    }
-    session.ahead.look_past(frame->size);
-    // Most of what waits are reads, and need no plan.
-    if (modbus::is_read(frame->adu.pdu.bytes()) || session.ahead.has(position) ||
-        session.is_before_ready(position)) {
-      continue;
-    }
-    Request& request = understand(session, frame->adu, position, session.input.arrival_at(offset));
-    if (session.is_leaving && !is_outdated(session, request)) {
-      notice_denied(session, request, now);  // its turn does not come any more
-    }
-    if (request.is_stop && !is_outdated(session, request)) {
-      request.is_early = true;
-      session.has_asked = true;
-      ++counters_.requests;
-      return &request;
-    }
-  }
-  session.ahead.end_look();
-  return nullptr;
 }
 
 }  // namespace mbgate::gateway

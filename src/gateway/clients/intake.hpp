@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a client's bytes to its requests, one at a time: parses them, finds their routes, and
-// refuses what no bus is to know of. Stops are also taken from the read-ahead behind a full
-// pipeline.
+// refuses what no bus is to know of.
 #pragma once
 
 #include <cstdint>
@@ -26,13 +25,12 @@ enum class Phase : std::uint8_t { running, only_stops, nothing };
 /// A request as it was read, and what becomes of it.
 struct Request {
   // Not an aggregate: all its room, much of which nothing needs, would be filled with zeros first.
-  Request(const modbus::MbapAdu& read, std::uint64_t at, Instant arrived)
-      : adu(read), position(at), arrival(arrived) {}
+  Request(const modbus::MbapAdu& parsed, const ClientInput::Times& times)
+      : adu(parsed), arrival(times.arrival), read(times.read) {}
 
   modbus::MbapAdu adu;
-  std::uint64_t position;  ///< in the client's stream
-  Instant arrival;
-  bool is_early = false;     ///< a stop that overtakes earlier requests of the stream
+  Instant arrival;           ///< the deadline of a write counts from here
+  Instant read;              ///< and that of a read from here
   bool for_gateway = false;  ///< for the status unit
   std::optional<modbus::ExceptionCode> refused{};
   const routing::ResolvedRoute* route = nullptr;  ///< nothing: there is none
@@ -41,7 +39,7 @@ struct Request {
   RuleVerdict verdict{};
 
   [[nodiscard]] WriteOrigin origin(const ClientSession& session) const {
-    return {session.id(), session.info(), session.key(), position, arrival};
+    return {session.id(), session.info(), session.key(), arrival};
   }
 };
 class Intake {
@@ -52,23 +50,15 @@ class Intake {
   /// What comes next in a client's stream. Skips other protocols; a client with a whole request
   /// there has asked.
   struct Front {
-    std::optional<modbus::MbapFrame> frame{};  ///< none: it is not whole, or the pipeline is full
+    std::optional<modbus::MbapFrame> frame{};  ///< none: it is not whole, or there are enough
     bool framing_lost = false;                 ///< it is not known any more where requests begin
   };
   [[nodiscard]] Front front(ClientSession& session);
-  /// Takes what front() has found: a request, or a stop that was taken early. Both are large, and
-  /// valid until the next call.
-  struct Taken {
-    Request* request = nullptr;
-    const EarlyStops::Stop* stop = nullptr;
-  };
-  [[nodiscard]] Taken take(ClientSession& session, const modbus::MbapFrame& frame, Instant now);
-  /// Begins to look for stops behind a full pipeline. What was searched before is not searched
-  /// again, unless the client is leaving: it can send nothing more, so all its stops are taken,
-  /// however many there are.
-  void begin_early(ClientSession& session) const;
-  /// The next stop, valid until the next call; nullptr if there is no other.
-  [[nodiscard]] Request* next_early(ClientSession& session, Instant now);
+  /// Takes the request that front() has found. It is large, and valid until the next call.
+  [[nodiscard]] Request& take(ClientSession& session, const modbus::MbapFrame& frame, Instant now);
+  /// Of a client that is leaving: the next stop that came whole, valid until the next call; nullptr
+  /// if there is no other. Everything else is dropped.
+  [[nodiscard]] Request* take_stop(ClientSession& session, Instant now);
   /// Reports once for each client if these bytes look like RTU.
   void notice_rtu(ClientSession& session, modbus::Bytes stream);
 
@@ -81,8 +71,7 @@ class Intake {
   void adopt(const SettingsSnapshot& before, Instant now);
 
  private:
-  Request& understand(const ClientSession& session, const modbus::MbapAdu& adu,
-                      std::uint64_t position, Instant arrival);
+  Request& understand(const ClientSession& session, const modbus::MbapAdu& adu);
   void apply_rules(const ClientSession& session, Request& request) const;
   void judge(const ClientSession& session, Request& request, Instant now);
   [[nodiscard]] bool is_outdated(const ClientSession& session, const Request& request) const;
@@ -98,8 +87,7 @@ class Intake {
   const WriteRules& rules_;
   ActionQueue& actions_;
   Phase phase_ = Phase::running;
-  std::optional<Request> request_;        // the last one
-  std::optional<EarlyStops::Stop> stop_;  // the last one
+  std::optional<Request> request_;  // the last one
   ClientCounters counters_;
   AccessBook access_;
   DenialReports denials_;

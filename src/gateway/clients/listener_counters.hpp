@@ -21,7 +21,7 @@ struct ListenerCounters {
   std::uint64_t displaced_full = 0;
   std::uint64_t displaced_address_full = 0;
   std::uint64_t requests = 0;
-  std::uint64_t held_up = 0;  ///< how often a request had to wait for its address's rate
+  std::uint64_t over_rate = 0;  ///< requests beyond max_requests_per_second of their client
   /// Requests that the gateway itself has answered with an exception.
   bus::ExceptionCounts refused_reads;
   bus::ExceptionCounts refused_writes;

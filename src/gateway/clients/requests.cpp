@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/assert.hpp"
+#include "gateway/settings/unit_meaning.hpp"
 #include "routing/broadcast_plan.hpp"
 
 namespace mbgate::gateway {
@@ -95,12 +96,10 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
   if (trace_.is_on()) {
     trace_.asked(index, trace_of(session, request), *exchange.plan);
   }
-  place_answer(session, request, index);
-  rules_.note_accepted(*exchange.plan, origin, now);
-  if (request.is_early) {
-    rules_.note_early(*exchange.plan, origin);
-  }
-  exchanges_.start(index, *session.turns, origin.arrival, now);
+  place_answer(session, index);
+  exchange.arrival = exchange.plan->is_read() ? request.read : request.arrival;
+  exchange.sequence = rules_.note_accepted(*exchange.plan, origin, now);
+  start_or_hold(session, index, request.is_stop, now);
 }
 
 void Requests::say_left_out(const ClientSession& session, const Request& request) {
@@ -124,19 +123,41 @@ void Requests::audit(const ClientSession& session, const Request& request) {
   }
 }
 
-void Requests::place_answer(ClientSession& session, const Request& request, std::uint32_t index) {
+void Requests::place_answer(ClientSession& session, std::uint32_t index) {
   if (session.is_leaving) {
     exchanges_[index].client_gone = true;
     return;
   }
   session.exchanges.push_back(index);
-  const bool answer_waits = request.is_early && session.answers.is_ordered();
-  if (!answer_waits) {
-    exchanges_[index].answer = session.answers.open();
+  exchanges_[index].answer = session.answers.open();
+}
+
+// Beyond `pipeline` requests are held here, in their order; stops are not.
+void Requests::start_or_hold(ClientSession& session, std::uint32_t index, bool is_stop,
+                             Instant now) {
+  Exchange& exchange = exchanges_[index];
+  const std::size_t on_buses = session.exchanges.size() - session.held.size();
+  if (is_stop || exchange.client_gone || on_buses <= session.listener().pipeline) {
+    exchanges_.start(index, *session.turns, now);
+    return;
   }
-  if (request.is_early) {
-    session.ahead.add(
-        {request.position, answer_waits, answer_waits ? std::optional(index) : std::nullopt});
+  exchange.is_held = true;
+  session.held.push_back(index);
+}
+
+void Requests::start_held(ClientSession& session, Instant now) {
+  while (!session.held.empty() && session.has_room_on_buses()) {
+    const std::uint32_t index = session.held.front();
+    session.held.pop_front();
+    Exchange& exchange = exchanges_[index];
+    if (!exchange.is_held) {
+      continue;  // it was refused meanwhile, and completes
+    }
+    if (rules_.was_stopped(*exchange.plan, exchange.sequence)) {
+      exchanges_.refuse(index);
+    } else {
+      exchanges_.start(index, *session.turns, now);
+    }
   }
 }
 
@@ -153,7 +174,7 @@ bool Requests::is_withdrawn(const ClientSession& session, const Exchange& exchan
   if (!plan || !verdict_on(settings, session.info(), unit, *plan).permitted) {
     return true;
   }
-  const WriteOrigin origin{session.id(), session.info(), session.key(), session.position(), now};
+  const WriteOrigin origin{session.id(), session.info(), session.key(), now};
   return !plan->is_read() &&
          rules_.objection(*plan, origin, now) == modbus::ExceptionCode::illegal_function;
 }
@@ -163,6 +184,21 @@ void Requests::end_withdrawn(const ClientSession& session, Instant now) {
     if (is_withdrawn(session, exchanges_[exchange], now)) {
       exchanges_.cancel(exchange);
     }
+  }
+}
+
+void Requests::end_outdated(const ClientSession& session, const SettingsSnapshot& before) {
+  for (const std::uint32_t held : session.held) {
+    if (unit_means_otherwise(session.info().listener, exchanges_[held].header.unit, before,
+                             settings_.in_force())) {
+      exchanges_.cancel(held);
+    }
+  }
+}
+
+void Requests::end_held(const ClientSession& session) {
+  for (const std::uint32_t held : session.held) {
+    exchanges_.cancel(held);
   }
 }
 
@@ -198,19 +234,6 @@ void Requests::clear_counters() {
   sessions_.clear_counters();
 }
 
-// Reading has come to a stop that was taken early.
-void Requests::pass_early(ClientSession& session, const EarlyStops::Stop& stop) {
-  if (!stop.answer_waits) {
-    return;
-  }
-  const auto answer = session.answers.open();
-  if (stop.exchange) {
-    exchanges_[*stop.exchange].answer = answer;
-  } else {
-    send(session, answer, stop.answer);
-  }
-}
-
 void Requests::complete(std::uint32_t index, Instant now) {
   const Exchange& exchange = exchanges_[index];
   if (trace_.is_on()) {
@@ -221,15 +244,15 @@ void Requests::complete(std::uint32_t index, Instant now) {
     ClientSession* session = sessions_.find(exchange.client);
     MBGATE_ASSERT(session != nullptr, "a request knows whether its client is there");
     session->exchanges.erase(std::ranges::find(session->exchanges, index));
+    std::erase(session->held, index);
     const auto adu = adu_of(exchange);
     if (exchange.failed) {
       ++session->refused;
       sessions_.counters(exchange.listener)
           .note_refused(exchange.plan->is_read(), code_of(adu->pdu));
     }
-    if (!session->ahead.keep_answer(index, adu)) {
-      send(*session, exchange.answer, adu);
-    }
+    send(*session, exchange.answer, adu);
+    start_held(*session, now);
   }
 }
 

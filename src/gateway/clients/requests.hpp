@@ -31,13 +31,14 @@ class Requests {
 
   /// Answers the request or starts it. The plan is moved out of it.
   void accept(ClientSession& session, Request& request, Instant now);
-  /// Processing has reached a stop that was taken early: its answer gets its place, if it waits for
-  /// one.
-  void pass_early(ClientSession& session, const EarlyStops::Stop& stop);
   /// All jobs of the exchange have ended: answers it.
   void complete(std::uint32_t exchange, Instant now);
   /// New settings are in force: takes back what waits of the client and may not be asked any more.
   void end_withdrawn(const ClientSession& session, Instant now);
+  /// New settings are in force: of what no bus has yet, refuses what would mean something else now.
+  void end_outdated(const ClientSession& session, const SettingsSnapshot& before);
+  /// Refuses what no bus has yet.
+  void end_held(const ClientSession& session);
   /// All that the status unit shows: of its own, of clients, of buses and devices.
   void clear_counters();
 
@@ -52,7 +53,9 @@ class Requests {
   void say_left_out(const ClientSession& session, const Request& request);
   [[nodiscard]] bool is_withdrawn(const ClientSession& session, const Exchange& exchange,
                                   Instant now) const;
-  void place_answer(ClientSession& session, const Request& request, std::uint32_t index);
+  void place_answer(ClientSession& session, std::uint32_t index);
+  void start_or_hold(ClientSession& session, std::uint32_t index, bool is_stop, Instant now);
+  void start_held(ClientSession& session, Instant now);
   [[nodiscard]] modbus::Pdu answer_of_gateway(const ClientSession& session, const Request& request,
                                               Instant now);
   void send(ClientSession& session, AnswerId answer, const std::optional<modbus::MbapAdu>& adu);

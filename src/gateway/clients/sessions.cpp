@@ -112,15 +112,13 @@ void Sessions::clear_counters() {
   std::ranges::fill(counters_, ListenerCounters{});
 }
 
-void Sessions::adopt(const Settings& next, Instant now) {
+void Sessions::adopt(const Settings& next) {
   settings_ = &next;
   on_listener_.assign(next.listeners.size(), 0);
   counters_.resize(next.listeners.size());
   for_each([&](ClientSession& session) {
     const ListenerId listener = session.info().listener;
     session.adopt(next.listener(listener));
-    session.input.note_reload(now);
-    session.ahead.look_again();
     ++on(listener);
     wake(session);  // to be served, and looked at by its new times
   });

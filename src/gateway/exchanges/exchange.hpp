@@ -30,6 +30,9 @@ struct Exchange {
   ListenerId listener{};  ///< its number in the settings in force
   routing::ClientAddress address;
   bool client_gone = false;
+  Instant arrival;
+  std::uint64_t sequence = 0;  ///< of all requests that were accepted
+  bool is_held = false;        ///< beyond `pipeline`: no bus has it yet
   AnswerId answer{};
   modbus::MbapHeader header;
   std::optional<routing::Plan> plan;

@@ -18,10 +18,11 @@ std::uint32_t Exchanges::open() {
   return index;
 }
 
-void Exchanges::start(std::uint32_t index, Turns turns, Instant arrival, Instant now) {
+void Exchanges::start(std::uint32_t index, Turns turns, Instant now) {
   Exchange& exchange = exchanges_[index];
+  exchange.is_held = false;
   const routing::Plan& plan = *exchange.plan;
-  const Instant deadline = arrival + time_for(exchange.route->route, plan);
+  const Instant deadline = exchange.arrival + time_for(exchange.route->route, plan);
   for (const routing::PlannedTransaction& planned : plan.transactions()) {
     if (exchange.parts.empty() || exchange.parts.back().bus != planned.bus) {
       add_job(index, planned.bus, turns, deadline);
@@ -90,7 +91,19 @@ void Exchanges::close(std::uint32_t index) {
   settings_.forget_unused();
 }
 
+void Exchanges::refuse(std::uint32_t index) {
+  Exchange& exchange = exchanges_[index];
+  exchange.is_held = false;
+  exchange.failed = true;
+  exchange.ended_as = bus::Ending::cancelled;
+  completed_.push(index);
+}
+
 void Exchanges::cancel(std::uint32_t index) {
+  if (exchanges_[index].is_held) {
+    refuse(index);
+    return;
+  }
   const auto parts = exchanges_[index].parts;  // a part that ends is taken out
   for (const Exchange::Part& part : parts) {
     if (!part.is_stop()) {

@@ -22,7 +22,9 @@ class Exchanges {
   std::uint32_t open();
   [[nodiscard]] Exchange& operator[](std::uint32_t index) { return exchanges_[index]; }
   /// Starts to carry out the plan.
-  void start(std::uint32_t index, Turns turns, Instant arrival, Instant now);
+  void start(std::uint32_t index, Turns turns, Instant now);
+  /// Ends one that is held: nothing of it was sent.
+  void refuse(std::uint32_t index);
   /// Adds a job to an exchange; it is still to be submitted.
   bus::Job& add_job(std::uint32_t index, BusId bus, Turns turns, Instant deadline);
   void submit(std::uint32_t index, Instant now);
@@ -44,7 +46,7 @@ class Exchanges {
     exchanges_.for_each([&](const Exchange& exchange) { found = found || is_it(exchange); });
     return found;
   }
-  [[nodiscard]] bool any_open() const { return exchanges_.in_use() > 0; }
+  [[nodiscard]] std::size_t open_count() const { return exchanges_.in_use(); }
 
   /// New settings are in force: jobs that would mean something else now are withdrawn.
   void end_changed(const SettingsSnapshot& old);

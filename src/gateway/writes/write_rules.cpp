@@ -36,18 +36,6 @@ bool WriteRules::is_stop(const routing::Plan& plan) const {
                                      : std::ranges::all_of(plan.transactions(), part_stops));
 }
 
-DevicePlaces WriteRules::overtaken_by(const routing::Plan& stop) const {
-  DevicePlaces overtaken;
-  for (const routing::PlannedTransaction& transaction : stop.transactions()) {
-    for (const std::size_t place : settings_->devices.addressed_by(transaction)) {
-      if (settings_->settings.devices[place].is_stop(transaction.request)) {
-        overtaken.push_back(place);
-      }
-    }
-  }
-  return overtaken;
-}
-
 std::optional<ExceptionCode> WriteRules::objection(const routing::Plan& write,
                                                    const WriteOrigin& origin, Instant now) const {
   std::optional<ExceptionCode> found;
@@ -65,7 +53,7 @@ std::optional<ExceptionCode> WriteRules::objection(const routing::PlannedTransac
     auto denied = guard == nullptr
                       ? std::nullopt
                       : writers_.objection(place, *guard, origin.info, origin.key, now);
-    if (!denied && stop_marks_.forbids(place, origin.client, origin.position, origin.arrival)) {
+    if (!denied && stop_marks_.forbids(place, origin.client, origin.arrival)) {
       denied = ExceptionCode::server_device_busy;
     }
     add(found, denied);
@@ -85,32 +73,40 @@ bool WriteRules::is_denied_by_writer(const routing::Plan& write, const WriteOrig
   });
 }
 
-void WriteRules::note_accepted(const routing::Plan& request, const WriteOrigin& origin,
-                               Instant now) {
+std::uint64_t WriteRules::note_accepted(const routing::Plan& request, const WriteOrigin& origin,
+                                        Instant now) {
+  ++sequence_;
   if (request.is_read()) {
-    return;
+    return sequence_;
   }
   if (is_stop(request)) {
-    for (const std::size_t place : overtaken_by(request)) {
-      stop_marks_.note(place, origin.client, now);
+    for (const routing::PlannedTransaction& part : request.transactions()) {
+      for (const std::size_t place : settings_->devices.addressed_by(part)) {
+        if (settings_->settings.devices[place].is_stop(part.request)) {
+          stop_marks_.note(place, origin.client, sequence_, now);
+        }
+      }
     }
-    return;
+    return sequence_;
   }
   for (const routing::PlannedTransaction& part : request.transactions()) {
     for (const std::size_t place : settings_->devices.reached_by(part)) {
       writers_.note(place, origin.key, now);
     }
   }
+  return sequence_;
 }
 
-void WriteRules::note_early(const routing::Plan& stop, const WriteOrigin& origin) {
-  for (const std::size_t place : overtaken_by(stop)) {
-    stop_marks_.note_early(place, origin.client, origin.position);
-  }
+bool WriteRules::was_stopped(const routing::Plan& write, std::uint64_t sequence) const {
+  return !write.is_read() && std::ranges::any_of(write.transactions(), [&](const auto& part) {
+    return std::ranges::any_of(settings_->devices.reached_by(part), [&](std::size_t place) {
+      return stop_marks_.came_after(place, sequence);
+    });
+  });
 }
 
 void WriteRules::note_own_stop(std::size_t device, Instant now) {
-  stop_marks_.note(device, std::nullopt, now);
+  stop_marks_.note(device, std::nullopt, ++sequence_, now);
 }
 
 void WriteRules::adopt(const SettingsSnapshot& settings) {

@@ -16,7 +16,6 @@ struct WriteOrigin {
   ClientId client;
   const ClientInfo& info;
   const ClientKey& key;
-  std::uint64_t position;  ///< in the client's stream
   Instant arrival;
 };
 
@@ -27,8 +26,6 @@ class WriteRules {
   /// A plan of several writes is a stop if each of them is; a broadcast if it is one for any
   /// device.
   [[nodiscard]] bool is_stop(const routing::Plan& plan) const;
-  /// The devices whose earlier writes are cancelled by the stop.
-  [[nodiscard]] DevicePlaces overtaken_by(const routing::Plan& stop) const;
 
   /// Why the write may not reach one of its devices: 01 if it never may, 06 if it may not now.
   /// Nothing if it may.
@@ -39,13 +36,12 @@ class WriteRules {
   [[nodiscard]] bool is_denied_by_writer(const routing::Plan& write, const WriteOrigin& origin,
                                          Instant now) const;
 
-  /// The request was accepted.
-  void note_accepted(const routing::Plan& request, const WriteOrigin& origin, Instant now);
-  /// A stop of the client was accepted although earlier requests of its stream still wait.
-  void note_early(const routing::Plan& stop, const WriteOrigin& origin);
+  /// The request was accepted. Returns its number.
+  std::uint64_t note_accepted(const routing::Plan& request, const WriteOrigin& origin, Instant now);
+  /// Was a device that the write reaches stopped after the write was accepted, with this number?
+  [[nodiscard]] bool was_stopped(const routing::Plan& write, std::uint64_t sequence) const;
   /// The gateway itself stops the device.
   void note_own_stop(std::size_t device, Instant now);
-  void client_gone(ClientId client) { stop_marks_.client_gone(client); }
   /// New settings: what is known of removed devices is dropped.
   void adopt(const SettingsSnapshot& settings);
 
@@ -57,6 +53,7 @@ class WriteRules {
   const SettingsSnapshot* settings_;
   StopMarks stop_marks_;
   Writers writers_;
+  std::uint64_t sequence_ = 0;  // of requests that were accepted, and stops of the gateway's own
 };
 
 }  // namespace mbgate::gateway

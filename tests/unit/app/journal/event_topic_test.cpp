@@ -142,7 +142,7 @@ std::vector<Case> events_of_clients() {
       {gateway::ClientRefused{kPlant, client, Reason::stopping}, kClientWhileStopping},
       {gateway::ClientRefused{kPlant, client, Reason::address_full}, kClientAddressFull},
       {gateway::ClientRefused{kPlant, client, Reason::too_often}, kClientTooOften},
-      {gateway::ClientHeldUp{kPlant, client}, kClientHeldUp},
+      {gateway::ClientOverRate{kPlant, client}, kClientOverRate},
       {gateway::ClientDisplaced{kPlant, client, Reason::full}, kClientDisplaced},
       {gateway::ClientFramingLost{kPlant, client, 0}, kClientFramingLost},
       {gateway::ClientSpeaksRtu{kPlant, client}, kClientSpeaksRtu},

@@ -84,15 +84,14 @@ TEST_F(ClientDoorAlone, OneThatIsGoneIsNotClosedAndItsPlaceIsFree) {
   EXPECT_EQ(sessions_.find(ClientId{1}), nullptr);
 }
 
-TEST_F(ClientDoorAlone, WhoAsksTooOftenWaitsForItsTurnAndThatIsTold) {
+TEST_F(ClientDoorAlone, WhoAsksTooOftenMayNotAndThatIsTold) {
   come(1, "192.0.2.1");
   ClientSession& session = *sessions_.find(ClientId{1});
   EXPECT_TRUE(door_.may_ask(session, Instant{1s}));
-  door_.use_turn(session);
   EXPECT_FALSE(door_.may_ask(session, Instant{1s}));
   EXPECT_FALSE(door_.may_ask(session, Instant{1500ms}));
-  EXPECT_EQ(reports<gateway::ClientHeldUp>(actions_).size(), 1U);
-  EXPECT_EQ(sessions_.counters(ListenerId{0}).held_up, 1U);
+  EXPECT_EQ(reports<gateway::ClientOverRate>(actions_).size(), 1U);
+  EXPECT_EQ(sessions_.counters(ListenerId{0}).over_rate, 2U);
   EXPECT_TRUE(door_.may_ask(session, Instant{2s}));
 }
 

@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "gateway/limits.hpp"
-
 namespace mbgate::gateway {
 namespace {
 
@@ -13,58 +11,58 @@ using namespace std::chrono_literals;
 
 class PausedSession : public testing::Test {
  protected:
-  PausedSession() { session_.answers.open(); }
-  static ListenerSettings of_one() {
-    ListenerSettings listener;
-    listener.pipeline = 1;
-    return listener;
-  }
   void pause_at(Instant now) {
-    session_.input.append(std::vector<std::uint8_t>(kReadAhead), now);
+    while (!session_.is_full()) {
+      open_.push_back(session_.answers.open());
+    }
     EXPECT_EQ(session_.update_reading(now), ClientSession::Reading::pause);
   }
   void resume_at(Instant now) {
-    session_.input.consume(kReadAhead);
+    session_.answers.close(open_.back(), std::nullopt);
+    open_.pop_back();
     EXPECT_EQ(session_.update_reading(now), ClientSession::Reading::resume);
   }
 
   const Instant start_{1s};
-  ListenerSettings listener_ = of_one();
+  ListenerSettings listener_;
   ClientSession session_{{}, {}, listener_, start_};
+  std::vector<AnswerId> open_;
 };
 
-TEST_F(PausedSession, WhatLayThereBeforeALaterPauseIsAsOldAsTheFirst) {
+TEST_F(PausedSession, WhatIsReadIsAsOldAsTheFirstPauseUntilTheSocketWasEmpty) {
   pause_at(start_);
   resume_at(start_ + 1s);
-  EXPECT_EQ(session_.arrival_of(50, 30, start_ + 1s), start_);  // 30 more lay behind them
+  EXPECT_EQ(session_.arrival_of(30, start_ + 1s), start_);  // 30 bytes more lay behind them
   pause_at(start_ + 2s);
   resume_at(start_ + 3s);
-  EXPECT_EQ(session_.arrival_of(30, 20, start_ + 3s), start_);
-  EXPECT_EQ(session_.arrival_of(20, 0, start_ + 3s), start_ + 2s);
-  EXPECT_EQ(session_.arrival_of(10, 0, start_ + 3s), start_ + 3s);
+  EXPECT_EQ(session_.arrival_of(0, start_ + 3s), start_);
+  EXPECT_EQ(session_.arrival_of(0, start_ + 4s), start_ + 4s);
 }
 
-TEST_F(PausedSession, NothingIsOlderThanTheConnection) {
-  session_.stall(start_ - 1s);
-  EXPECT_EQ(session_.arrival_of(50, 0, start_ + 2s), start_);
+TEST_F(PausedSession, AStallCountsFromWhenTheSocketWasSeenEmpty) {
+  EXPECT_EQ(session_.arrival_of(0, start_ + 1s), start_ + 1s);
+  session_.stall(start_);
+  EXPECT_EQ(session_.arrival_of(0, start_ + 3s), start_ + 1s);
 }
 
-TEST_F(PausedSession, NorThanTheTimeAtWhichTheSocketWasSeenEmpty) {
-  session_.arrival_of(50, 0, start_ + 1s);
-  session_.arrival_of(50, 30, start_ + 3s);
-  session_.stall(start_ + 500ms);
-  EXPECT_EQ(session_.arrival_of(30, 0, start_ + 4s), start_ + 1s);
-  session_.stall(start_ + 5s);
-  EXPECT_EQ(session_.arrival_of(50, 0, start_ + 6s), start_ + 5s);
-}
-
-TEST_F(PausedSession, BehindTlsItMayHaveWaitedElsewhere) {
+TEST_F(PausedSession, WhatWaitedThroughAStartHasNeverArrived) {
   ClientInfo info;
-  info.role = {routing::ClientRole::Kind::named, "operator"};
+  info.bytes_before_ready = 12;
   ClientSession session{{}, info, listener_, start_};
-  session.arrival_of(50, 0, start_ + 1s);
-  session.stall(start_ + 500ms);
-  EXPECT_EQ(session.arrival_of(50, 0, start_ + 2s), start_ + 500ms);
+  EXPECT_EQ(session.arrival_of(0, start_), Instant::min());
+  EXPECT_EQ(session.arrival_of(0, start_ + 1s), start_ + 1s);
+}
+
+TEST(ClientInput, IsAsOldAsItsFirstByteAndWhatIsLeftAsOldAsTheLast) {
+  ClientInput input;
+  const std::vector<std::uint8_t> bytes(10);
+  input.append(bytes, {Instant{1s}, Instant{2s}});
+  input.append(bytes, {Instant{3s}, Instant{4s}});
+  EXPECT_EQ(input.times().arrival, Instant{1s});
+  input.consume(15);
+  EXPECT_EQ(input.bytes().size(), 5U);
+  EXPECT_EQ(input.times().arrival, Instant{3s});
+  EXPECT_EQ(input.times().read, Instant{4s});
 }
 
 }  // namespace

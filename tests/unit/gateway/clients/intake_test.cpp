@@ -14,14 +14,14 @@ using gateway::Request;
 
 class IntakeAlone : public testing::Test {
  protected:
-  void come(std::string_view bytes) { session_.input.append(unhex(bytes), Instant{1s}); }
+  void come(std::string_view bytes) {
+    session_.input.append(unhex(bytes), {Instant{1s}, Instant{1s}});
+  }
   bool has_nothing() {
     const Intake::Front front = intake_.front(session_);
     return !front.frame && !front.framing_lost;
   }
-  Request request() {
-    return *intake_.take(session_, *intake_.front(session_).frame, Instant{1s}).request;
-  }
+  Request request() { return intake_.take(session_, *intake_.front(session_).frame, Instant{1s}); }
 
   SettingsHistory settings_{stop_plant(1)};
   gateway::WriteRules rules_{settings_.in_force()};
@@ -35,10 +35,8 @@ TEST_F(IntakeAlone, GivesOneRequestAfterTheOtherAndSkipsOtherProtocols) {
   come("0001 0000 0006 01 03 0000 0001  0002 0001 0002 01 02  0003 0000 0006 02 06 0000 0001");
   const auto read = request();
   EXPECT_TRUE(read.plan && read.plan->is_read());
-  EXPECT_EQ(read.position, 0U);
   const auto write = request();
   EXPECT_EQ(write.adu.header.transaction, 3);
-  EXPECT_EQ(write.position, 20U);
   EXPECT_TRUE(has_nothing());
   EXPECT_EQ(intake_.counters().requests, 2U);
   EXPECT_EQ(intake_.counters().foreign_adus, 1U);
@@ -55,22 +53,20 @@ TEST_F(IntakeAlone, SaysWhyARequestIsRefused) {
   EXPECT_EQ(request().refused, std::nullopt);
 }
 
+TEST_F(IntakeAlone, OfAClientThatLeavesOnlyStopsAreTaken) {
+  come(
+      "0001 0000 0006 01 06 0000 0001  0002 0000 0006 01 06 007C 00E1  0003 0000 0006 01 03 0000 "
+      "01");
+  session_.is_leaving = true;
+  const Request* stop = intake_.take_stop(session_, Instant{1s});
+  ASSERT_NE(stop, nullptr);
+  EXPECT_EQ(stop->adu.header.transaction, 2);
+  EXPECT_EQ(intake_.take_stop(session_, Instant{1s}), nullptr);
+}
+
 TEST_F(IntakeAlone, EndsWhereFramingIsLost) {
   come("0001 0000 FFFF 01 03 0000 0001");
   EXPECT_TRUE(intake_.front(session_).framing_lost);
-}
-
-TEST_F(IntakeAlone, BehindAFullPipelineOnlyStopsAreFound) {
-  session_.answers.open();
-  come("0001 0000 0006 01 06 0000 0001  0002 0000 0006 01 06 007C 00E1");
-  EXPECT_TRUE(has_nothing());
-  intake_.begin_early(session_);
-  const Request* stop = intake_.next_early(session_, Instant{1s});
-  ASSERT_TRUE(stop != nullptr && stop->is_stop && stop->is_early);
-  EXPECT_EQ(stop->position, 12U);
-  EXPECT_EQ(intake_.next_early(session_, Instant{1s}), nullptr);
-  intake_.begin_early(session_);
-  EXPECT_EQ(intake_.next_early(session_, Instant{1s}), nullptr);  // it was looked at before
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ TEST_F(ExchangesAlone, AreCompletedWhenAllTheirJobsHaveEnded) {
   EXPECT_EQ(exchanges_.take_completed(), index);
   EXPECT_TRUE(exchanges_[index].result()->is_exception());
   exchanges_.close(index);
-  EXPECT_FALSE(exchanges_.any_open());
+  EXPECT_EQ(exchanges_.open_count(), 0U);
 }
 
 TEST_F(ExchangesAlone, KeepTheSettingsTheyBeganWith) {

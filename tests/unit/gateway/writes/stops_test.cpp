@@ -110,17 +110,6 @@ TEST_F(Stops, ThatWereReceivedWholeAllGoWhenTheirClientLeaves) {
   EXPECT_THAT(requests, testing::Contains(kStop2));
 }
 
-TEST_F(Stops, AreTakenAheadOnlyUpToAReserve) {
-  std::string many = read_request(2);
-  for (unsigned transaction = 3; transaction < 23; ++transaction) {
-    many += stop_request(transaction);
-  }
-  rig_.receive(1, many);
-  rig_.connect(2, "192.0.2.2");
-  rig_.receive(2, "0001 0000 0006 FF 04 0006 0002");  // requests that were taken, this one included
-  EXPECT_THAT(rig_.take_sent(2), ElementsAre("00 01 00 00 00 07 FF 04 04 00 00 00 12"));
-}
-
 TEST_F(Stops, AreCarriedOutAndAnsweredAfterAHalfClose) {
   rig_.receive(1, write_request(2) + stop_request(3));
   rig_.half_close(1);

@@ -18,10 +18,10 @@ class WriteRulesAlone : public testing::Test {
     return *routing::Plan::make(*settings_.routes.find(ListenerId{0}, unit), unit, {},
                                 *modbus::Pdu::from(bytes));
   }
-  static gateway::WriteOrigin from(std::uint64_t client, std::uint64_t position, Instant arrival) {
+  static gateway::WriteOrigin from(std::uint64_t client, Instant arrival) {
     static const gateway::ClientInfo kInfo = info_of("192.0.2.1");
     static const gateway::ClientKey kKey{kInfo.address};
-    return {ClientId{client}, kInfo, kKey, position, arrival};
+    return {ClientId{client}, kInfo, kKey, arrival};
   }
   auto objection(const gateway::WriteOrigin& origin, std::uint8_t unit = 1) {
     return rules_.objection(plan("06 00 00 00 01", unit), origin, Instant{10s});
@@ -39,32 +39,34 @@ TEST_F(WriteRulesAlone, AStopIsWhatItsDeviceTakesForOne) {
 }
 
 TEST_F(WriteRulesAlone, AStopForbidsWhatOthersSentBeforeItToItsDevice) {
-  rules_.note_accepted(plan("06 00 7C 00 E1"), from(1, 0, Instant{5s}), Instant{5s});
-  EXPECT_EQ(objection(from(2, 0, Instant{4s})), ExceptionCode::server_device_busy);
-  EXPECT_EQ(objection(from(2, 0, Instant{6s})), std::nullopt);
-  EXPECT_EQ(objection(from(2, 0, Instant{4s}), 2), std::nullopt);
-  EXPECT_EQ(objection(from(1, 12, Instant{4s})), std::nullopt);  // behind its own stop
+  rules_.note_accepted(plan("06 00 7C 00 E1"), from(1, Instant{5s}), Instant{5s});
+  EXPECT_EQ(objection(from(2, Instant{4s})), ExceptionCode::server_device_busy);
+  EXPECT_EQ(objection(from(2, Instant{6s})), std::nullopt);
+  EXPECT_EQ(objection(from(2, Instant{4s}), 2), std::nullopt);
+  EXPECT_EQ(objection(from(1, Instant{4s})), std::nullopt);  // behind its own stop
 }
 
-TEST_F(WriteRulesAlone, OneThatWasTakenEarlyForbidsWhatLiesBeforeItInItsClientsStream) {
-  rules_.note_early(plan("06 00 7C 00 E1"), from(1, 24, Instant{5s}));
-  EXPECT_EQ(objection(from(1, 12, Instant{6s})), ExceptionCode::server_device_busy);
-  EXPECT_EQ(objection(from(1, 36, Instant{6s})), std::nullopt);
-  EXPECT_EQ(objection(from(2, 12, Instant{6s})), std::nullopt);
-  rules_.client_gone(ClientId{1});
-  EXPECT_EQ(objection(from(1, 12, Instant{6s})), std::nullopt);
+TEST_F(WriteRulesAlone, AStopForbidsWhatWasAcceptedBeforeIt) {
+  const routing::Plan move = plan("06 00 00 00 01");
+  const auto before = rules_.note_accepted(move, from(1, Instant{5s}), Instant{5s});
+  rules_.note_accepted(plan("06 00 7C 00 E1"), from(1, Instant{5s}), Instant{5s});
+  const auto after = rules_.note_accepted(move, from(1, Instant{5s}), Instant{5s});
+  EXPECT_TRUE(rules_.was_stopped(move, before));
+  EXPECT_FALSE(rules_.was_stopped(move, after));
+  EXPECT_FALSE(rules_.was_stopped(plan("06 00 00 00 01", 2), before));
+  EXPECT_FALSE(rules_.was_stopped(plan("03 00 00 00 01"), before));
+  rules_.note_own_stop(0, Instant{6s});
+  EXPECT_TRUE(rules_.was_stopped(move, after));
 }
 
 TEST_F(WriteRulesAlone, NothingIsKnownOfADeviceThatWasGone) {
-  rules_.note_accepted(plan("06 00 7C 00 E1"), from(1, 0, Instant{5s}), Instant{5s});
-  rules_.note_early(plan("06 00 7C 00 E1"), from(1, 24, Instant{5s}));
+  rules_.note_accepted(plan("06 00 7C 00 E1"), from(1, Instant{5s}), Instant{5s});
   Settings less = stop_plant();
   less.routes.clear();
   less.devices[0].bus = drive::kNoBus;
   rules_.adopt(gateway::SettingsSnapshot(less));
   rules_.adopt(settings_);
-  EXPECT_EQ(objection(from(2, 0, Instant{4s})), std::nullopt);
-  EXPECT_EQ(objection(from(1, 12, Instant{6s})), std::nullopt);
+  EXPECT_EQ(objection(from(2, Instant{4s})), std::nullopt);
 }
 
 }  // namespace
