@@ -40,7 +40,8 @@ class LinesAlone : public testing::Test {
     exchange.route = route;
     exchange.header = {1, 1};
     exchange.plan = *routing::Plan::make(*route, 1, {}, *modbus::Pdu::from(unhex("03 0000 0001")));
-    exchanges_.start(index, {}, now, now);
+    exchange.arrival = now;
+    exchanges_.start(index, {}, now);
     return index;
   }
 
