@@ -8,19 +8,29 @@
 
 namespace mbgate::bus {
 
-Duration longest_response_timeout(const BusSettings& settings,
-                                  std::span<const drive::Device> devices) {
-  const auto whole = [](const drive::DeviceTiming& timing) {
-    return timing.response_timeout + timing.response_wait;
-  };
-  Duration longest = whole(settings.timing);
+Duration longest_transaction(const BusSettings& settings, std::span<const drive::Device> devices) {
+  constexpr std::size_t kShortFrame = 8;  // 03, or the echo of 16, in RTU
+  Duration waiting = devices.empty()
+                         ? settings.timing.response_timeout + settings.timing.response_wait
+                         : Duration{0};
   for (const drive::Device& device : devices) {
-    longest = std::max(longest, whole(device.timing));
-    for (const drive::SlowRegisters& slow : device.profile.slow) {
-      longest = std::max(longest, slow.response_timeout + device.timing.response_wait);
-    }
+    waiting = std::max(waiting, device.timing.response_timeout + device.timing.response_wait);
   }
-  return longest;
+  if (settings.line.framing == Framing::tcp) {
+    return waiting;
+  }
+  const std::size_t characters = settings.line.framing == Framing::ascii
+                                     ? kMaxFrameSize + 2 * kShortFrame
+                                     : modbus::kMaxRtuSize + kShortFrame;
+  return modbus::RtuTiming(settings.line.baud, settings.line.format).duration_of(characters) +
+         waiting + settings.settle;
+}
+
+Duration longest_stop_wait(const BusSettings& settings, std::span<const drive::Device> devices) {
+  const Duration silence = settings.frame_gap.value_or(
+      modbus::RtuTiming(settings.line.baud, settings.line.format).t3_5());
+  return longest_transaction(settings, devices) - settings.settle +
+         settings.frame_slack_or_default() + silence;
 }
 
 Duration default_listen_first(const BusSettings& settings, std::span<const drive::Device> devices) {

@@ -146,10 +146,13 @@ struct BusSettings {
   }
 };
 
-/// The longest time that any response on this bus is waited for: of its devices, and of the bus
-/// itself for addresses without a device.
-Duration longest_response_timeout(const BusSettings& settings,
-                                  std::span<const drive::Device> devices);
+/// The longest time for which one ordinary transaction can hold the bus: a frame of full length and
+/// a short one, the longest wait for a response of its devices, and `settle`. Slow registers do not
+/// count, nor do addresses without a device if there are devices.
+Duration longest_transaction(const BusSettings& settings, std::span<const drive::Device> devices);
+
+/// The longest time that a stop waits for the running transaction of a serial line, and for silence.
+Duration longest_stop_wait(const BusSettings& settings, std::span<const drive::Device> devices);
 
 /// The longest time for which an answer to somebody who had the line before may still come: the
 /// longest response timeout of ordinary registers and its quarantine.

@@ -2,10 +2,13 @@
 #include "config/check_summary.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 
 #include "config/needs.hpp"
 #include "config/sections/sections.hpp"
+#include "config/toml/duration_text.hpp"
+#include "gateway/limits.hpp"
 
 namespace mbgate::config {
 namespace {
@@ -44,6 +47,25 @@ std::string units_text(const gateway::Settings& settings) {
   return text;
 }
 
+// How long writes may wait for their turn on each bus, and stops for the line.
+std::string waits_text(const gateway::Settings& settings) {
+  const auto rounded = [](bus::Duration duration) {
+    return to_text(std::chrono::ceil<std::chrono::milliseconds>(duration));
+  };
+  std::string text;
+  for (std::size_t at = 0; at < settings.buses.size(); ++at) {
+    const bus::BusSettings& bus = settings.buses[at];
+    const auto devices = settings.devices_on(drive::BusId{static_cast<std::uint32_t>(at)});
+    const bus::Duration longest = bus::longest_transaction(bus, devices);
+    text += "\nbus " + bus.name + ": writes have " + rounded(gateway::write_deadline(longest)) +
+            " by default; a stop is sent " +
+            (bus.line.framing == bus::Framing::tcp
+                 ? "at once"
+                 : "within " + rounded(bus::longest_stop_wait(bus, devices)));
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string check_summary(const gateway::Settings& settings) {
@@ -56,6 +78,7 @@ std::string check_summary(const gateway::Settings& settings) {
     text.append("\n").append(rules_text(settings));
   }
   text += units_text(settings);
+  text += waits_text(settings);
   for (const auto& need : needs(settings)) {
     text.append("\n").append(need);
   }

@@ -65,10 +65,10 @@ std::size_t BusSet::open_count() const {
   return open;
 }
 
-Duration BusSet::longest_response_timeout(std::span<const BusId> buses) const {
+Duration BusSet::longest_transaction(std::span<const BusId> buses) const {
   Duration longest{0};
   for (const BusId id : buses) {
-    longest = std::max(longest, (*this)[id].devices().longest_response_timeout());
+    longest = std::max(longest, (*this)[id].devices().longest_transaction());
   }
   return longest;
 }

@@ -39,8 +39,8 @@ class BusSet {
   std::optional<bus::BusAction> poll(BusId id);
 
   [[nodiscard]] std::size_t open_count() const;
-  /// The longest response timeout of these buses.
-  [[nodiscard]] Duration longest_response_timeout(std::span<const BusId> buses) const;
+  /// The longest time that one ordinary transaction takes on any of these buses.
+  [[nodiscard]] Duration longest_transaction(std::span<const BusId> buses) const;
   /// The earliest wake of all buses and of `judgement`, a deadline of the gateway itself.
   [[nodiscard]] std::optional<Wake> next_wake(std::optional<Instant> judgement) const;
   /// Wakes the buses whose time has come.

@@ -21,19 +21,18 @@ inline constexpr std::size_t kRequestsOutstanding = 64;
 /// Requests of all connections that may be outstanding: about 64 MB. Beyond that they get 06.
 inline constexpr std::size_t kRequestsOfAll = 32768;
 
-/// Writes wait at most three times the longest response timeout of the bus, and 0.5 s. That is what
-/// a lost answer costs (its timeout and the quarantine after it), and one silent device before. Not
-/// longer, because an old motion command is dangerous.
-constexpr bus::Duration write_deadline(bus::Duration longest_response_timeout) {
-  constexpr int kTimeouts = 3;
+/// Writes wait at most for two transactions of the bus, the running one and one that goes before
+/// them, and 0.5 s. Not longer, because an old motion command is dangerous.
+constexpr bus::Duration write_deadline(bus::Duration longest_transaction) {
+  constexpr int kTransactions = 2;
   constexpr auto kMargin = std::chrono::milliseconds(500);
-  return kTimeouts * longest_response_timeout + kMargin;
+  return kTransactions * longest_transaction + kMargin;
 }
 
 /// Reads wait this long for their turn: longer than any operator panel waits, and never less than
 /// writes.
-constexpr bus::Duration read_deadline(bus::Duration longest_response_timeout) {
-  return std::max<bus::Duration>(std::chrono::seconds(5), write_deadline(longest_response_timeout));
+constexpr bus::Duration read_deadline(bus::Duration longest_transaction) {
+  return std::max<bus::Duration>(std::chrono::seconds(5), write_deadline(longest_transaction));
 }
 
 /// Clients that are remembered because it was reported that they ask for a unit without a route:

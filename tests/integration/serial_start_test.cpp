@@ -81,6 +81,7 @@ TEST(SerialStart, IsCheckedAsAFileIs) {
   EXPECT_EQ(good.wait_for_exit(), 0);
   EXPECT_THAT(good.output(), testing::MatchesRegex(
                                  "configuration ok: 1 listener, 1 bus, 0 devices, 0 routes\n"
+                                 "bus [^\n]*: writes have [^\n]*\n"
                                  "sha256 [0-9a-f]+: these options, --print-config . sha256sum\n"));
   for (const char* what : {"--check", "--print-config"}) {
     Process bad("mbgated", serial_arguments({"--stop-bits", "3", what}), {folder.path(), {}});

@@ -245,27 +245,34 @@ void draw_timing(drive::DeviceTiming& timing, bool is_default, Random& random) {
   }
 }
 
-// behaviour.md, section 2. Today the product counts slow registers, and three timeouts.
+// 0.5 s and twice the longest time that an ordinary transaction can hold a bus: a frame of full
+// length and a short one, the wait for an answer, and `settle`.
 void set_deadlines(Plan& plan) {
+  constexpr std::size_t kCharacters = 264;
+  constexpr std::size_t kAsciiCharacters = 529;
   for (Door& door : plan.doors) {
     std::vector<std::size_t> buses = door.buses;
     if (door.station) {
       buses = {plan.stations[*door.station].bus};
     }
     Duration longest{0};
-    for (const std::size_t bus : buses) {
-      longest = std::max(longest, plan.bus(bus).timing.response_timeout);
+    for (const std::size_t at : buses) {
+      const bus::BusSettings& bus = plan.bus(at);
+      Duration held{0};
+      if (bus.line.framing != bus::Framing::tcp) {
+        const bool is_ascii = bus.line.framing == bus::Framing::ascii;
+        held = WireTimes(bus.line).of(is_ascii ? kAsciiCharacters : kCharacters) + bus.settle;
+      }
       for (const drive::Device& device : plan.settings.devices) {
-        if (static_cast<std::size_t>(device.bus) == bus) {
-          longest = std::max(longest, device.timing.response_wait +
-                                          std::max(device.timing.response_timeout,
-                                                   device.profile.slow.front().response_timeout));
+        if (static_cast<std::size_t>(device.bus) == at) {
+          longest = std::max(
+              longest, held + device.timing.response_wait + device.timing.response_timeout);
         }
       }
     }
     const auto stated = door.route ? plan.settings.routes[*door.route].deadline : std::nullopt;
-    door.write_deadline = stated.value_or(3 * longest + 500ms);
-    door.read_deadline = stated.value_or(std::max<Duration>(5s, 3 * longest + 500ms));
+    door.write_deadline = stated.value_or(2 * longest + 500ms);
+    door.read_deadline = stated.value_or(std::max<Duration>(5s, 2 * longest + 500ms));
   }
 }
 

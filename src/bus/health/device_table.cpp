@@ -34,7 +34,7 @@ Addresses DeviceTable::update(const BusSettings& settings, std::span<const drive
   const auto names = names_of(devices);
   devices_.assign(devices.begin(), devices.end());
   other_.timing = settings.timing;
-  longest_response_timeout_ = bus::longest_response_timeout(settings, devices);
+  longest_transaction_ = bus::longest_transaction(settings, devices);
   Addresses others;
   for (std::size_t address = 0; address < kAddresses; ++address) {
     DeviceEntry& entry = entries_.at(address);

@@ -103,8 +103,7 @@ class DeviceTable {
   [[nodiscard]] std::span<const drive::Device> devices() const { return devices_; }
   [[nodiscard]] std::span<const DeviceEntry> entries() const { return entries_; }
   [[nodiscard]] std::span<DeviceEntry> entries() { return entries_; }
-  /// Of all devices, and of addresses that have none.
-  [[nodiscard]] Duration longest_response_timeout() const { return longest_response_timeout_; }
+  [[nodiscard]] Duration longest_transaction() const { return longest_transaction_; }
   /// Is the request a stop for the device at the address, or for a device that hears the broadcast?
   [[nodiscard]] bool is_stop(std::uint8_t address, const modbus::Request& request,
                              drive::BroadcastForm broadcast) const;
@@ -128,7 +127,7 @@ class DeviceTable {
  private:
   drive::Device other_;
   std::vector<drive::Device> devices_;
-  Duration longest_response_timeout_{0};
+  Duration longest_transaction_{0};
   std::array<DeviceEntry, kAddresses> entries_{};
 };
 

@@ -13,16 +13,16 @@ using bus::Duration;
 using gateway::Settings;
 using routing::Route;
 
-Duration longest_response_timeout(const Settings& settings, drive::BusId id) {
-  return bus::longest_response_timeout(settings.bus(id), settings.devices_on(id));
+Duration default_deadline(const Settings& settings, drive::BusId id) {
+  return gateway::write_deadline(
+      bus::longest_transaction(settings.bus(id), settings.devices_on(id)));
 }
 
 Duration sensible_deadline(const Settings& settings, const Route& route) {
   Duration sensible{0};
   for (const auto id : route.buses) {
     if (index(id) < settings.buses.size()) {
-      sensible =
-          std::max(sensible, gateway::write_deadline(longest_response_timeout(settings, id)));
+      sensible = std::max(sensible, default_deadline(settings, id));
     }
   }
   return sensible;
@@ -34,7 +34,7 @@ void check_length(Draft& draft, std::size_t at) {
   if (route.deadline && *route.deadline < sensible) {
     draft.routes[at].warning(
         "deadline", to_text(*route.deadline) + " is shorter than " + to_text(sensible) +
-                        " (three times the longest response timeout of the bus, and 500ms): "
+                        " (500ms, and twice the longest transaction of the bus): "
                         "requests may give up behind one silent device or one lost answer");
   }
 }
@@ -86,7 +86,7 @@ void check_repeated_writes(Draft& draft, std::size_t at) {
            " after it was sent (response timeout and quarantine), and its deadline is " +
            to_text(deadline) + " after it came";
   };
-  const auto standard = gateway::write_deadline(longest_response_timeout(settings, device.bus));
+  const auto standard = default_deadline(settings, device.bus);
   const bool by_listener = is_reached_by_listener(settings, device);
   if (standard <= after && (by_listener || is_reached_by_default(settings, device))) {
     // What a listener leads to is not helped by routes.

@@ -39,7 +39,7 @@ Duration Exchanges::time_for(const routing::Route& route, const routing::Plan& p
   if (route.deadline) {
     return *route.deadline;
   }
-  const Duration longest = buses_.longest_response_timeout(route.buses);
+  const Duration longest = buses_.longest_transaction(route.buses);
   return plan.is_read() ? read_deadline(longest) : write_deadline(longest);
 }
 

@@ -33,6 +33,7 @@ TEST(CheckConfig, CountsWhatIsConfigured) {
   EXPECT_EQ(checked.status, 0);
   EXPECT_EQ(checked.output,
             "configuration ok: 1 listener, 1 bus, 0 devices, 0 routes\n"
+            "bus line-a: writes have 2803ms by default; a stop is sent within 1174ms\n"
             "needs the group dialout: /dev/ttyS0\n");
   EXPECT_EQ(checked.errors, "");
 }
@@ -43,6 +44,8 @@ TEST(CheckConfig, ShowsAWarningAndIsContent) {
   EXPECT_EQ(checked.status, 0);
   EXPECT_EQ(checked.output,
             "configuration ok: 1 listener, 2 buses, 0 devices, 0 routes\n"
+            "bus line-a: writes have 2803ms by default; a stop is sent within 1174ms\n"
+            "bus line-b: writes have 2803ms by default; a stop is sent within 1174ms\n"
             "needs the group dialout: /dev/ttyS0, /dev/ttyS1\n");
   EXPECT_EQ(checked.errors, file +
                                 ":13:8: warning: no listener and no route leads to this bus\n"

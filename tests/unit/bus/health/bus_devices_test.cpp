@@ -49,10 +49,6 @@ TEST_F(Bus, ReadsBesideSlowRegistersHaveTheUsualTimeout) {
   EXPECT_EQ(ended_at_[0] - start, kEmission + 100ms);
 }
 
-TEST_F(Bus, ListensAsLongAsTheSlowestRegisterMayTake) {
-  EXPECT_EQ(bus::longest_response_timeout(settings(), std::vector{stepper(settings())}), 1s);
-}
-
 TEST_F(Bus, AWriteThatIsNeverAnsweredIsDoneAfterTheTurnaroundDelay) {
   const auto quick = quick_turnaround(settings());
   open(quick, {stepper(quick)});

@@ -170,11 +170,18 @@ TEST_F(Bus, BytesThatAreNoFrameAreDrainedBeforeTheNextTransmission) {
   EXPECT_EQ(until_next_frame(), kT35);
 }
 
-TEST_F(Bus, ListensAsLongAsTheSlowestAddressMayTake) {
-  auto slow_bus = settings();
-  slow_bus.timing.response_timeout = 700ms;
+// 264 characters of 11 bits at 19200 take 151.25 ms.
+TEST_F(Bus, KnowsTheLongestOrdinaryTransaction) {
+  auto settling = settings();
+  settling.timing.response_timeout = 700ms;
+  settling.settle = 10ms;
+  EXPECT_EQ(bus::longest_transaction(settling, {}), 861250us);
   drive::Device quick{"quick", {}, 1, settings().timing};
-  EXPECT_EQ(bus::longest_response_timeout(slow_bus, std::vector{quick}), 700ms);
+  quick.timing.response_wait = 50ms;
+  quick.profile.slow = {{{}, 5s}};
+  EXPECT_EQ(bus::longest_transaction(settling, std::vector{quick}), 311250us);
+  settling.line.framing = bus::Framing::tcp;
+  EXPECT_EQ(bus::longest_transaction(settling, std::vector{quick}), 150ms);
 }
 
 TEST_F(Bus, ShowsTheStatesOfTheSpecification) {

@@ -138,17 +138,6 @@ TEST(Denials, OfStopsDoNotFillTheDiskNorHideThoseOfAnotherClient) {
   EXPECT_THAT(rig.events[11], HasSubstr("; 90 more were denied since this was last said"));
 }
 
-TEST(Denials, OfAStopAreToldThoughItsClientGoesBeforeItsTurn) {
-  Settings settings = read_only();
-  settings.listeners[0].pipeline = 1;
-  MachineRig rig(settings);
-  rig.connect(1);
-  rig.receive(1, read_request(1) + stop_request(2));
-  EXPECT_THAT(rig.events, IsEmpty());
-  rig.disconnect(1);
-  EXPECT_THAT(rig.events, ElementsAre(HasSubstr("a stop, function 6 at unit 1")));
-}
-
 TEST(Denials, OfClearedCountersAreToldAndTheCountersStay) {
   MachineRig rig(read_only());
   rig.connect(1);

@@ -39,7 +39,7 @@ TEST(Gateway, GivesThePipelineToBusesAndTheRestInItsTurn) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 04 00 00 00 03 FA 83 0A"));
   EXPECT_EQ(rig.harness.gateway().report_status(0s, rig.now()).buses[0].waiting, 1U);
   for (int answers = 0; answers < 3; ++answers) {
-    rig.advance(10ms);
+    rig.advance(40ms);
     rig.respond("01 03 02 00 01");
   }
   EXPECT_THAT(rig.take_sent(1), SizeIs(3));
@@ -90,7 +90,7 @@ TEST(Gateway, AHalfClosedClientIsReadToItsEndBeforeItIsClosed) {
   EXPECT_TRUE(rig.paused.contains(1));
   rig.half_close(1);  // noticed while paused
   rig.confirms = true;
-  for (int answers = 0; answers < 16; ++answers) {
+  for (int answers = 0; answers < 64; ++answers) {
     rig.confirm_sent(1);
   }
   EXPECT_FALSE(rig.paused.contains(1));
