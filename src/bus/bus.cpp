@@ -54,10 +54,12 @@ void Bus::handle_lost(Instant now, Loss loss) {
   if (link.is_resting()) {
     return;  // nobody has asked for a line
   }
+  const bool was_open = link.is_open();
   const bool in_order =
       line.has_answered() || (line.is_unused() && !link.is_new(parts_.settings, now));
   if (loss == Loss::closed && link.is_open() && in_order) {
     line.note_closed(now);
+    outcomes_.note_lost();
     dispatch_.rest(now);
     return;
   }
@@ -70,7 +72,8 @@ void Bus::handle_lost(Instant now, Loss loss) {
     link.stop();
   }
   ends_.end_running(Ending::closed);
-  ends_.end_waiting(Ending::closed, true);
+  // A stop that waited for the line has it opened again at once.
+  ends_.end_waiting(Ending::closed, !was_open || parts_.stopping);
   dispatch_.pump(now);
 }
 

@@ -31,11 +31,18 @@ void LinkState::rest(const BusSettings& settings, bool answered) {
   delay_ = answered ? settings.reopen_min : delay_;
 }
 
+void LinkState::hurry(const BusSettings& settings, Instant now) {
+  if (reopen_at_) {
+    reopen_at_ = std::min(*reopen_at_, std::max(now, tried_at_ + settings.reopen_min));
+  }
+}
+
 bool LinkState::take_due(Instant now) {
   if (!reopen_at_ || now < *reopen_at_) {
     return false;
   }
   reopen_at_.reset();
+  tried_at_ = now;
   return true;
 }
 

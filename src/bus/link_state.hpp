@@ -55,6 +55,8 @@ class LinkState {
   void restart() { state_ = State::reopening; }
   /// After rest(): an attempt to open it runs.
   void wake() { state_ = State::waking; }
+  /// A stop waits: the next attempt is due now, but no sooner than `reopen_min` after the last one.
+  void hurry(const BusSettings& settings, Instant now);
   /// No attempt to open it is scheduled any more.
   void stop() { reopen_at_.reset(); }
   /// Is an attempt due? True once for each attempt.
@@ -74,6 +76,7 @@ class LinkState {
   State state_ = State::starting;
   Instant opened_at_;
   std::optional<Instant> reopen_at_;
+  Instant tried_at_ = Instant::min();
   Duration delay_;
 };
 

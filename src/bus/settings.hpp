@@ -151,7 +151,8 @@ struct BusSettings {
 /// count, nor do addresses without a device if there are devices.
 Duration longest_transaction(const BusSettings& settings, std::span<const drive::Device> devices);
 
-/// The longest time that a stop waits for the running transaction of a serial line, and for silence.
+/// The longest time that a stop waits for the running transaction of a serial line, and for
+/// silence.
 Duration longest_stop_wait(const BusSettings& settings, std::span<const drive::Device> devices);
 
 /// The longest time for which an answer to somebody who had the line before may still come: the

@@ -77,8 +77,8 @@ void StateReader::read(const bus::TurnBook& turns, const bus::BusSettings& setti
 }
 
 void StateReader::read(const bus::LinkState& link, Hash& hash) {
-  // Only after a loss: opened_at, delay.
-  const auto& [state, opened_at, reopen_at, delay] = link;
+  // Only after a loss: opened_at, delay, tried_at.
+  const auto& [state, opened_at, reopen_at, delay, tried_at] = link;
   require(link.is_open() && !reopen_at, "the line is never lost");
   hash.add(state);
 }

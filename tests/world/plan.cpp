@@ -265,8 +265,8 @@ void set_deadlines(Plan& plan) {
       }
       for (const drive::Device& device : plan.settings.devices) {
         if (static_cast<std::size_t>(device.bus) == at) {
-          longest = std::max(
-              longest, held + device.timing.response_wait + device.timing.response_timeout);
+          longest = std::max(longest,
+                             held + device.timing.response_wait + device.timing.response_timeout);
         }
       }
     }

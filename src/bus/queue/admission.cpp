@@ -91,7 +91,7 @@ std::optional<Ending> Admission::end_at_once(Job& job, Instant now) {
   if (parts_.stopping && !is_stop) {
     return Ending::cancelled;
   }
-  if (parts_.link.is_closed()) {
+  if (parts_.link.is_closed() && (!is_stop || parts_.stopping)) {
     return Ending::closed;
   }
   if (is_stop || job.is_broadcast()) {

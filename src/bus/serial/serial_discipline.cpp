@@ -32,6 +32,7 @@ modbus::Pdu pdu_on_wire(const Transaction& transaction) {
 SerialDiscipline::SerialDiscipline(const BusSettings& settings, BusCounters& counters)
     : silence_(settings),
       paced_setting_(settings.line.paced),
+      is_remote_(settings.line.remote),
       counters_(counters),
       echo_(settings.line.echo, counters, faults_),
       framer_(settings, silence_.timing(), counters) {}
@@ -41,7 +42,7 @@ void SerialDiscipline::open(Instant now, LineKind kind, Instant listen_until) {
   framer_.forget();
   paced_ = paced_setting_.value_or(kind == LineKind::uart);
   echo_.open();
-  unpaced_told_ = is_answerless_ = false;
+  unpaced_told_ = is_answerless_ = was_asked_ = has_answered_ = false;
   unsent_ = 0;
   silence_.open(now, listen_until);
 }
@@ -58,6 +59,7 @@ FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::Device
   judge_held(echo_.release(), now);  // the beginning of a late answer, if its rest comes
   const FrameBytes frame = framer_.encode(transaction.address, pdu_on_wire(transaction));
   transaction_ = &transaction;
+  was_asked_ = true;
   end_.reset();
   silence_.note_frame(frame.size(), now);
   response_wait_ = timing.response_wait;
@@ -123,6 +125,7 @@ void SerialDiscipline::end(LineEnd::How how) {
                      framer_.found().began < answers_at;
   end_ = LineEnd{how, std::exchange(transaction_, nullptr), response_due_,
                  std::max(silence_.quiet_since() - silence_.emission_ends(), Duration{0}), early};
+  has_answered_ = has_answered_ || how == LineEnd::How::response;
   const bool framed = how == LineEnd::How::response || how == LineEnd::How::damaged;
   end_->heard = heard_;
   end_->heard_after = heard_ > 0 ? heard_at_ - silence_.emission_ends() : Duration{0};

@@ -61,6 +61,14 @@ class SerialDiscipline {
   /// A good frame that answers nothing that was asked, each once.
   std::optional<UnsolicitedFrame> take_unsolicited();
   [[nodiscard]] LineState state(Instant now) const;
+  /// How a line behind `tcp://` was used since it was opened; nothing is said of a local port.
+  struct RemoteUse {
+    bool has_answered;
+    bool is_unused;
+  };
+  [[nodiscard]] RemoteUse remote_use() const {
+    return {is_remote_ && has_answered_, is_remote_ && !was_asked_};
+  }
   /// Was it found, where the settings do not say, that the line has an echo?
   [[nodiscard]] bool hears_itself() const { return echo_.is_learned() && echo_.is_present(); }
 
@@ -75,6 +83,9 @@ class SerialDiscipline {
   LineSilence silence_;
   std::optional<bool> paced_setting_;
   bool paced_ = false;
+  bool is_remote_;
+  bool was_asked_ = false;
+  bool has_answered_ = false;
   BusCounters& counters_;
   LineFaults faults_;
   Echo echo_;

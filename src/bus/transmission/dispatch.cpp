@@ -37,7 +37,7 @@ void Dispatch::decide(Instant now) {
   ends_.end_over(now);
   watch_deadlines(now);
   if (!parts_.link.is_open() || reopen_if_hung(now)) {
-    wait_for_line();
+    wait_for_line(now);
     return;
   }
   if (serve_stops(now)) {
@@ -128,13 +128,27 @@ void Dispatch::rest(Instant now) {
   pump(now);
 }
 
-// What a close has cut, and what is repeated, waits for the line.
-void Dispatch::wait_for_line() {
+// What a close has cut, and what is repeated, waits for the line. A stop has it opened at once.
+void Dispatch::wait_for_line(Instant now) {
   const bool is_wanted =
       !parts_.transmissions.running().empty() || parts_.queue.size() > 0 || !parts_.stops.empty();
   if (parts_.link.is_resting() && is_wanted) {
     parts_.link.wake();
     parts_.actions.push(OpenLine{});
+  }
+  if (!parts_.link.is_closed()) {
+    return;
+  }
+  const Duration deadline = stop_deadline(parts_.settings);
+  while (Transmission* stop = parts_.stops.find(
+             [&](const Transmission& it) { return now >= it.waits_since + deadline; })) {
+    parts_.stops.remove(*stop);
+    ends_.finish(*stop, Ending::closed);
+  }
+  parts_.stops.visit(
+      [&](const Transmission& stop) { wait_until(Wake{stop.waits_since + deadline}); });
+  if (!parts_.stops.empty()) {
+    parts_.link.hurry(parts_.settings, now);
   }
 }
 

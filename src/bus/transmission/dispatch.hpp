@@ -41,7 +41,7 @@ class Dispatch {
   void wait_until(Wake wake) { next_start_ = earlier(next_start_, wake); }
   [[nodiscard]] bool has_looked();
   bool reopen_if_hung(Instant now);
-  void wait_for_line();
+  void wait_for_line(Instant now);
   void watch_deadlines(Instant now);
   bool serve_stops(Instant now);
   void go_on_with_stops(Instant now);

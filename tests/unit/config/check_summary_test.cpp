@@ -36,10 +36,11 @@ TEST(CheckSummary, SaysHowLongWritesAndStopsWait) {
   drive::Device& device = settings.devices.emplace_back();
   device.timing.response_timeout = std::chrono::milliseconds(300);
   // 264 characters of 11 bits take 25.21 ms; 20 ms for the adapter, 1.75 ms of silence.
-  EXPECT_THAT(check_summary(settings),
-              testing::HasSubstr("\nbus line-a: writes have 1151ms by default; a stop is sent within "
-                                 "347ms\nbus cell: writes have 2500ms by default; a stop is sent at "
-                                 "once"));
+  EXPECT_THAT(
+      check_summary(settings),
+      testing::HasSubstr("\nbus line-a: writes have 1151ms by default; a stop is sent within "
+                         "347ms\nbus cell: writes have 2500ms by default; a stop is sent at "
+                         "once"));
 }
 
 }  // namespace

@@ -56,7 +56,8 @@ TEST(ReloadMemory, RequestsBehindAFullPipelineDoNotGoToAnotherDrive) {
   rig.respond("01 03 02 00 01");
   rig.advance(10ms);
   EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, kWrite2));
-  EXPECT_THAT(rig.take_sent(1), testing::UnorderedElementsAre(kOne, busy(2), "00 03 00 00 00 03 01 83 06"));
+  EXPECT_THAT(rig.take_sent(1),
+              testing::UnorderedElementsAre(kOne, busy(2), "00 03 00 00 00 03 01 83 06"));
 }
 
 TEST(ReloadMemory, NorDoTheyAfterTheUnitHasLedElsewhereAndBack) {

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stops on a line that is not open, lines behind `tcp://` that the far end closes, and what a stop
+// has cut short.
+#include "stop_axis.hpp"
+#include "unit/bus/bus_rig.hpp"
+
+namespace mbgate::test::bus_closed_line_test {
+namespace {
+
+class BusClosedLine : public Bus {
+ protected:
+  void lose(bus::Loss loss = bus::Loss::failed) {
+    bus_->handle_lost(now_, loss);
+    drain();
+  }
+  void reopen() {
+    bus_->handle_opened(now_);
+    drain();
+    advance(5ms);
+  }
+  /// The next attempt is seconds away.
+  void lose_for_long() {
+    open(settings(), {axis(settings())});
+    for (int times = 0; times < 6; ++times) {
+      lose();
+      advance(5s);
+    }
+    lose();
+    advance(1s);
+    opens_ = 0;
+  }
+  static bus::BusSettings remote() {
+    auto remote = settings();
+    remote.line.remote = true;
+    return remote;
+  }
+};
+
+TEST_F(BusClosedLine, AStopHasItOpenedAtOnce) {
+  lose_for_long();
+  submit(job(kRead));
+  EXPECT_THAT(endings_, ElementsAre(Ending::closed));
+  EXPECT_EQ(opens_, 0U);
+  submit(job(kStop));
+  advance(0ms);
+  EXPECT_EQ(opens_, 1U);
+  reopen();
+  EXPECT_THAT(frames_, ElementsAre(kStopFrame));
+}
+
+TEST_F(BusClosedLine, AStopEndsIfThatFailsAndTheNextOneDoesNotTryMoreOftenThanReopenMin) {
+  lose_for_long();
+  submit(job(kStop));
+  advance(0ms);
+  lose();
+  EXPECT_THAT(endings_, ElementsAre(Ending::closed));
+  submit(job(kStop));
+  advance(99ms);
+  EXPECT_EQ(opens_, 1U);
+  advance(1ms);
+  EXPECT_EQ(opens_, 2U);
+}
+
+TEST_F(BusClosedLine, AStopEndsIfNobodyKnowsWhetherThatFailsInTime) {
+  lose_for_long();
+  submit(job(kStop));
+  advance(1999ms);
+  EXPECT_THAT(endings_, IsEmpty());
+  advance(1ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::closed));
+}
+
+TEST_F(BusClosedLine, AStopThatWaitedWhenTheLineWasLostIsSentOnTheNext) {
+  auto slow = settings();
+  slow.timing.response_timeout = 1s;
+  open(slow, {axis(slow)});
+  submit(job(kRead, 2));
+  advance(20ms);
+  submit(job_of(1, kStop));
+  lose();
+  EXPECT_THAT(endings_, ElementsAre(Ending::closed));  // the read
+  advance(100ms);
+  EXPECT_EQ(opens_, 2U);
+  reopen();
+  advance(1ms);
+  EXPECT_EQ(frames_.back(), kStopFrame);
+}
+
+TEST_F(BusClosedLine, OneBehindTcpThatHasAnsweredIsOpenedAgainWhenSomebodyAsks) {
+  open(remote());
+  submit(job(kRead));
+  advance(10ms);
+  line(kAnswer);
+  lose(bus::Loss::closed);
+  advance(10s);
+  EXPECT_EQ(opens_, 1U);
+  EXPECT_EQ(bus_->counters().losses, 0U);
+  submit(job(kRead));
+  EXPECT_EQ(opens_, 2U);
+  reopen();
+  EXPECT_THAT(frames_, SizeIs(2));
+}
+
+TEST_F(BusClosedLine, AReadThatWasOnTheWireThereIsAskedOnceMoreAndAWriteIsNot) {
+  for (const bool is_read : {true, false}) {
+    frames_.clear();
+    endings_.clear();
+    open(remote());
+    submit(job(kRead));
+    advance(10ms);
+    line(kAnswer);
+    submit(is_read ? job(kRead) : job(kMove));
+    advance(10ms);
+    lose(bus::Loss::closed);
+    reopen();
+    advance(300ms);  // what is owed may come first
+    EXPECT_THAT(frames_, SizeIs(is_read ? 3 : 2));
+    EXPECT_THAT(endings_, is_read ? ElementsAre(Ending::answered, Ending::no_answer)
+                                  : ElementsAre(Ending::answered, Ending::no_answer));
+  }
+}
+
+TEST_F(BusClosedLine, ALocalPortIsLostAsBefore) {
+  open(settings());
+  submit(job(kRead));
+  advance(10ms);
+  line(kAnswer);
+  lose(bus::Loss::closed);
+  EXPECT_EQ(bus_->counters().losses, 1U);
+  submit(job(kRead));
+  EXPECT_EQ(endings_.back(), Ending::closed);
+}
+
+TEST_F(BusClosedLine, WhatAStopCutsShortIsNeitherAnsweredNorUnanswered) {
+  auto slow = settings();
+  slow.timing.response_timeout = 1s;
+  slow.timing.offline_after = 1;
+  open(slow, {axis(slow), axis(slow, 2)});
+  submit(job(kRead, 2));
+  advance(20ms);
+  submit(job_of(1, kStop));
+  advance(200ms);
+  EXPECT_EQ(frames_.back(), kStopFrame);
+  EXPECT_FALSE(bus_->devices()[2].health.is_offline());
+  EXPECT_GT(bus_->view().held_back(2, now_), 0ms);  // it stays open
+}
+
+}  // namespace
+}  // namespace mbgate::test::bus_closed_line_test
