@@ -125,6 +125,8 @@ struct BusSettings {
   /// Framing tcp: true if a response must have the unit identifier of its request. False: the
   /// transaction identifier is enough; many servers answer as unit 1 or 255.
   bool check_unit = false;
+  /// Framing tcp: how long nothing is sent on a new connection.
+  Duration connect_delay{0};
   /// Framing tcp: whether every unit is the one device of this bus. None: if its address is 255.
   std::optional<bool> one_device{};
   /// Framing tcp: a connection is replaced if this many requests on it were unanswered and nothing

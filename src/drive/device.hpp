@@ -27,6 +27,7 @@ struct DeviceTiming {
   Duration response_wait{0};
   /// Extra silence before each request to this device.
   Duration gap{0};
+  Duration gap_after_write{0};
   /// How often a read is repeated after a timeout or a bad CRC.
   unsigned retries = 1;
   /// Repeats writes too. A relative move that is repeated moves the axis twice.

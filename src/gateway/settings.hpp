@@ -72,6 +72,8 @@ struct ListenerSettings {
   unsigned max_requests_per_second = 5000;  ///< from one address; 0: any number
   std::size_t pipeline = 64;                ///< requests of a connection that buses may have
   bool ordered = false;                     ///< responses in the order of the requests
+  Duration give_up{0};                      ///< the clients' own timeout; 0: not known
+  bool one_at_a_time = false;               ///< a new request replaces the unanswered one
   Duration idle_timeout{0};                 ///< 0: never
   Duration frame_timeout = std::chrono::seconds(10);
   routing::NetworkList allow;     ///< empty: everyone

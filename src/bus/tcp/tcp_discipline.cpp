@@ -33,12 +33,14 @@ bool begins_with(modbus::Bytes stream, std::uint16_t identifier) {
 void TcpDiscipline::open(Instant now, LineKind /*kind*/, Instant /*listen_until*/) {
   abort();
   quiet_since_ = now;
+  ready_first_at_ = now + connect_delay_;
   use_.open();
 }
 
 void TcpDiscipline::update(const BusSettings& settings) {
   check_unit_ = settings.check_unit;
   replace_after_ = settings.replace_after;
+  connect_delay_ = settings.connect_delay;
 }
 
 void TcpDiscipline::limit_wait(const Transaction& transaction, Duration longest) {

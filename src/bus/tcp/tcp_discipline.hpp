@@ -27,6 +27,7 @@ class TcpDiscipline {
   TcpDiscipline(const BusSettings& settings, BusCounters& counters)
       : check_unit_(settings.check_unit),
         replace_after_(settings.replace_after),
+        connect_delay_(settings.connect_delay),
         counters_(counters) {}
 
   /// The connection is there, and new: nothing of before counts any more.
@@ -34,15 +35,17 @@ class TcpDiscipline {
   /// A connection needs no silence but the `gap` that is asked for. Where the last one was closed
   /// right after an answer, this one is given the time to be closed too.
   [[nodiscard]] Instant ready_at(Duration gap) const {
-    return std::max(quiet_since_ + gap, use_.closes_by());
+    return std::max({quiet_since_ + gap, use_.closes_by(), ready_first_at_});
   }
   /// Transmits now; `transaction`, which gets the response, must outlive its end. No broadcasts.
   /// Returns the ADU.
   /// Answers that a device owes are told apart by their identifiers.
   FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing,
                    const OwedAnswers& owed, Instant now);
-  /// A stop waits for neither.
-  [[nodiscard]] Instant ready_for_stop_at() const { return quiet_since_; }
+  /// A stop waits only for a server that is not ready yet (`connect_delay`): it would be lost.
+  [[nodiscard]] Instant ready_for_stop_at() const {
+    return std::max(quiet_since_, ready_first_at_);
+  }
   [[nodiscard]] Instant possible_at() const { return quiet_since_; }
   /// The running transaction has so long for its response, and no longer than its timeout.
   void limit_wait(const Transaction& transaction, Duration longest);
@@ -97,6 +100,8 @@ class TcpDiscipline {
 
   bool check_unit_;
   unsigned replace_after_;
+  Duration connect_delay_;
+  Instant ready_first_at_ = Instant::min();  // of this connection
   BusCounters& counters_;
   Flights flights_;
   std::uint16_t last_identifier_ = 0;

@@ -65,6 +65,8 @@ constexpr std::array kListenerKeys = {
                                                       IntegerRange{0, 1'000'000}),
     plain<&ListenerSettings::pipeline>("pipeline", IntegerRange{1, 64}),
     plain<&ListenerSettings::ordered>("ordered", Truth{}),
+    plain<&ListenerSettings::give_up>("give_up", DurationRange{10ms, 1h, true}),
+    plain<&ListenerSettings::one_at_a_time>("one_at_a_time", Truth{}),
     plain<&ListenerSettings::idle_timeout>("idle_timeout", DurationRange{10ms, 1000h, true}),
     plain<&ListenerSettings::frame_timeout>("frame_timeout", DurationRange{10ms, 1h}),
     plain<&ListenerSettings::tcp, &TcpSettings::keepalive_idle>(
@@ -131,6 +133,8 @@ constexpr std::array kBusKeys = {
         "outstanding", kOutstanding,
         Lines::server, R"(belongs to mode = "tcp": a serial line carries one request at a time)"),
     plain<&BusSettings::check_unit>("check_unit", Truth{}, Lines::server, kServer),
+    plain<&BusSettings::connect_delay>("connect_delay", DurationRange{0s, 1min}, Lines::server,
+                                       kServer),
     plain<&BusSettings::replace_after>("replace_after", IntegerRange{0, 1000}, Lines::server,
                                        kServer),
     plain<&BusSettings::line, &LineSettings::connection, &ConnectionTimes::connect_timeout>(
@@ -157,6 +161,8 @@ constexpr std::array kTimingKeys = {
 constexpr std::array kDeviceKeys = {
     plain<&Device::timing, &DeviceTiming::response_wait>("response_wait", DurationRange{0s, 1min}),
     plain<&Device::timing, &DeviceTiming::gap>("gap", DurationRange{0s, 1min}),
+    plain<&Device::timing, &DeviceTiming::gap_after_write>("gap_after_write",
+                                                           DurationRange{0s, 1min}),
     plain<&Device::timing, &DeviceTiming::retry_writes>("retry_writes", Truth{}),
     plain<&Device::cache>("cache", DurationRange{0s, 1h}),
     plain<&Device::verify_word_order>("verify_word_order", Truth{}),

@@ -96,6 +96,7 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
   if (trace_.is_on()) {
     trace_.asked(index, trace_of(session, request), *exchange.plan);
   }
+  replace_unanswered(session, request.is_stop);
   place_answer(session, index);
   exchange.arrival = exchange.plan->is_read() ? request.read : request.arrival;
   exchange.sequence = rules_.note_accepted(*exchange.plan, origin, now);
@@ -130,6 +131,26 @@ void Requests::place_answer(ClientSession& session, std::uint32_t index) {
   }
   session.exchanges.push_back(index);
   exchanges_[index].answer = session.answers.open();
+}
+
+// A dumb session asks again on the same connection once it has given up (`one_at_a_time`).
+void Requests::replace_unanswered(ClientSession& session, bool is_stop) {
+  if (!session.listener().one_at_a_time || is_stop) {
+    return;
+  }
+  for (const std::uint32_t index : session.exchanges) {
+    if (Exchange& unanswered = exchanges_[index]; !unanswered.has_stop()) {
+      unanswered.is_replaced = true;
+      exchanges_.cancel(index);
+    }
+  }
+}
+
+// After the client's own timeout, or once it has asked something else, it takes an answer for that
+// to its next request.
+bool Requests::is_wanted(const Exchange& exchange, Instant now) const {
+  const Duration give_up = settings_.settings().listener(exchange.listener).give_up;
+  return !exchange.is_replaced && (give_up == Duration{0} || now <= exchange.arrival + give_up);
 }
 
 // Beyond `pipeline` requests are held here, in their order; stops are not.
@@ -251,7 +272,7 @@ void Requests::complete(std::uint32_t index, Instant now) {
       sessions_.counters(exchange.listener)
           .note_refused(exchange.plan->is_read(), code_of(adu->pdu));
     }
-    send(*session, exchange.answer, adu);
+    send(*session, exchange.answer, is_wanted(exchange, now) ? adu : std::nullopt);
     start_held(*session, now);
   }
 }

@@ -22,7 +22,12 @@ void Exchanges::start(std::uint32_t index, Turns turns, Instant now) {
   Exchange& exchange = exchanges_[index];
   exchange.is_held = false;
   const routing::Plan& plan = *exchange.plan;
-  const Instant deadline = exchange.arrival + time_for(exchange.route->route, plan);
+  Duration time = time_for(exchange.route->route, plan);
+  const Duration give_up = settings_.settings().listener(exchange.listener).give_up;
+  if (give_up > Duration{0}) {
+    time = std::min(time, give_up);
+  }
+  const Instant deadline = exchange.arrival + time;
   for (const routing::PlannedTransaction& planned : plan.transactions()) {
     if (exchange.parts.empty() || exchange.parts.back().bus != planned.bus) {
       add_job(index, planned.bus, turns, deadline);

@@ -122,6 +122,8 @@ TEST(LoadSettings, FillsListenersAndBuses) {
   EXPECT_EQ(routed.max_requests_per_second, 500U);
   EXPECT_EQ(routed.pipeline, 4U);
   EXPECT_TRUE(routed.ordered);
+  EXPECT_EQ(routed.give_up, 800ms);
+  EXPECT_TRUE(routed.one_at_a_time);
   EXPECT_EQ(routed.idle_timeout, 10min);
   EXPECT_EQ(routed.frame_timeout, 5s);
   EXPECT_EQ(routed.allow.size(), 2U);
@@ -207,6 +209,7 @@ TEST(LoadSettings, LetsADeviceInheritFromItsBus) {
   EXPECT_EQ(own.timing.response_timeout, 100ms);
   EXPECT_EQ(own.timing.response_wait, 20ms);
   EXPECT_EQ(own.timing.gap, 3ms);
+  EXPECT_EQ(own.timing.gap_after_write, 30ms);
   EXPECT_EQ(own.timing.retries, 3U);
   EXPECT_TRUE(own.timing.retry_writes);
   const auto& inherited = loaded.settings->devices.at(1);

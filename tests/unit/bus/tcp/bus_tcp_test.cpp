@@ -253,5 +253,19 @@ TEST_F(BusTcp, ABroadcastIsAnErrorOfOurs) {
   EXPECT_DEATH(submit(job("06 0000 0001", 0)), "");
 }
 
+TEST_F(BusTcp, NothingIsSentOnANewConnectionBeforeTheServerIsReady) {
+  auto slow_start = tcp();
+  slow_start.connect_delay = 50ms;
+  bus_.emplace(slow_start, usual_devices(slow_start));
+  bus_->start();
+  submit(job(kRead));
+  bus_->handle_opened(now_);
+  drain();
+  advance(49ms);
+  EXPECT_THAT(frames_, IsEmpty());
+  advance(1ms);
+  EXPECT_THAT(frames_, SizeIs(1));
+}
+
 }  // namespace
 }  // namespace mbgate::test
