@@ -28,7 +28,7 @@ using FrameBytes = boost::container::static_vector<std::uint8_t, kMaxFrameSize>;
 struct Transaction {
   // Not an aggregate: all its room would be filled with zeros first.
   Transaction(std::uint8_t to, const modbus::Request& asked, bool may_be_silent = false,
-              drive::BroadcastForm form = drive::BroadcastForm::none)
+              std::optional<drive::BroadcastForm> form = std::nullopt)
       : address(to), unit(to), request(asked), silence_is_success(may_be_silent), broadcast(form) {}
 
   std::uint8_t address;
@@ -36,8 +36,8 @@ struct Transaction {
   modbus::Request request;
   /// 08/01 and 08/04 silence a device: a missing answer is then not a failure.
   bool silence_is_success;
-  /// Other than none: a broadcast in this form, which nobody answers.
-  drive::BroadcastForm broadcast;
+  /// Set: a broadcast in this form, which nobody answers.
+  std::optional<drive::BroadcastForm> broadcast;
   std::optional<modbus::Pdu> response = std::nullopt;
   /// Set by the bus for a write that its device carries out and never answers: how long the device
   /// does not listen afterwards.
@@ -46,7 +46,7 @@ struct Transaction {
   /// register holds one of these values. Must outlive the job.
   const std::vector<std::uint16_t>* must_hold = nullptr;
 
-  [[nodiscard]] bool is_broadcast() const { return broadcast != drive::BroadcastForm::none; }
+  [[nodiscard]] bool is_broadcast() const { return broadcast.has_value(); }
   [[nodiscard]] bool may_stay_silent() const { return silence_is_success || boot_time; }
 };
 

@@ -92,8 +92,8 @@ struct Device {
   /// Does a request to this address of its bus reach it?
   [[nodiscard]] bool stands_for(std::uint8_t to) const { return has_every_unit || to == address; }
   /// Does it carry out what goes to this address, or to all in this form of broadcasts?
-  [[nodiscard]] bool is_addressed_by(std::uint8_t to, BroadcastForm form) const {
-    return form == BroadcastForm::none ? stands_for(to) : form == profile.broadcast.form;
+  [[nodiscard]] bool is_addressed_by(std::uint8_t to, std::optional<BroadcastForm> form) const {
+    return form ? form == profile.broadcast.form : stands_for(to);
   }
   /// Does the request (05, 06, 15, 16) write nothing but values that stop the drive, and parameters
   /// of such a stop that it also writes?

@@ -37,17 +37,22 @@ struct Limits {
   friend bool operator==(const Limits&, const Limits&) = default;
 };
 
-/// The form in which a drive receives broadcasts.
-enum class BroadcastForm : std::uint8_t {
-  none,      ///< the manual states none
-  standard,  ///< address 0 (Serial Line V1.02, 2.2)
-  autonics   ///< address 129, function OR 0x80 (Autonics AiC manual, section 2.13)
+/// The form in which drives receive broadcasts. By default that of the standard: address 0 (Serial
+/// Line V1.02, 2.2). The Autonics AiC has address 129 and function OR 0x80 (its manual, section
+/// 2.13).
+struct BroadcastForm {
+  std::uint8_t address = 0;
+  std::uint8_t function_or = 0;  ///< added to the function code
+  [[nodiscard]] bool is_standard() const { return *this == BroadcastForm{}; }
+  friend bool operator==(const BroadcastForm&, const BroadcastForm&) = default;
 };
 
 struct Broadcast {
-  BroadcastForm form = BroadcastForm::standard;
+  std::optional<BroadcastForm> form = BroadcastForm{};  ///< none: the manual states none
   std::optional<std::uint16_t> most_registers;  ///< of function 16
   std::optional<RangeList> allowed;             ///< none: everything
+  bool only = true;  ///< a drive with a form of its own hears nothing at address 0
+  [[nodiscard]] bool has_own_form() const { return form && !form->is_standard(); }
   friend bool operator==(const Broadcast&, const Broadcast&) = default;
 };
 

@@ -2,7 +2,6 @@
 #include "routing/broadcast_plan.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "modbus/make_request.hpp"
 #include "routing/plan.hpp"
@@ -18,8 +17,6 @@ using modbus::Request;
 using modbus::TableRange;
 using Receivers = std::vector<const Device*>;
 
-constexpr std::array kForms{BroadcastForm::standard, BroadcastForm::autonics};
-
 // Does the manual of this drive let such a broadcast reach it?
 bool takes(const Device& device, const Request& request) {
   const auto& rules = device.profile.broadcast;
@@ -30,16 +27,30 @@ bool takes(const Device& device, const Request& request) {
           range.count <= *rules.most_registers);
 }
 
+// The standard one first, then each of its own that a profile states.
+using Forms = boost::container::small_vector<BroadcastForm, 2>;
+Forms forms_of(const Audience& audience) {
+  Forms forms{BroadcastForm{}};
+  for (const Device* device : audience.devices) {
+    const auto& form = device->profile.broadcast.form;
+    if (form && std::ranges::find(forms, *form) == forms.end()) {
+      forms.push_back(*form);
+    }
+  }
+  return forms;
+}
+
 // Those that may carry the request out if it goes out in this form. At address 0 nobody can be kept
-// from listening, not even a drive whose manual states no broadcasts; the AiC's form is known to be
-// heard for what its manual lists, and only for that.
+// from listening, not even a drive whose manual states no broadcasts; a form of its own is known to
+// be heard for what its manual lists, and only for that.
 Receivers receivers_of(const Audience& audience, BroadcastForm form, const Request& request) {
   Receivers receivers;
   std::ranges::copy_if(audience.devices, std::back_inserter(receivers), [&](const Device* device) {
-    if (form == BroadcastForm::autonics) {
-      return device->profile.broadcast.form == form && takes(*device, request);
+    const drive::Broadcast& rules = device->profile.broadcast;
+    if (!form.is_standard()) {
+      return rules.form == form && takes(*device, request);
     }
-    return device->profile.broadcast.form != BroadcastForm::autonics &&
+    return !(rules.has_own_form() && rules.only) &&
            device->profile.functions.test(request.function());
   });
   return receivers;
@@ -153,8 +164,8 @@ std::optional<ExceptionCode> misunderstanding(const ResolvedRoute& resolved, con
       }
     }
   }
-  const bool alike =
-      std::ranges::all_of(kForms, [&](BroadcastForm form) { return mean_the_same(sent, form); });
+  const bool alike = std::ranges::all_of(
+      sent, [&](const Sent& it) { return mean_the_same(sent, it.frame.form); });
   return alike ? std::nullopt : std::optional(ExceptionCode::illegal_data_value);
 }
 
@@ -200,9 +211,9 @@ std::optional<Request> in_order_of_all(const ResolvedRoute& resolved, const Rece
 AllSent all_forms(const ResolvedRoute& resolved, const Request& request) {
   AllSent sent;
   for (const Audience& audience : resolved.audiences) {
-    for (const BroadcastForm form : kForms) {
+    for (const BroadcastForm form : forms_of(audience)) {
       Receivers receivers = receivers_of(audience, form, request);
-      const bool unknown_devices = audience.devices.empty() && form == BroadcastForm::standard;
+      const bool unknown_devices = audience.devices.empty() && form.is_standard();
       const bool wanted = !resolved.only_form || *resolved.only_form == form;
       if (wanted && (unknown_devices || is_meant(receivers, form))) {
         sent.push_back({{audience.bus, form, request}, std::move(receivers)});
@@ -279,7 +290,7 @@ std::vector<const Device*> not_addressed(const ResolvedRoute& resolved, const Pl
     for (const Device* device : audience.devices) {
       if (is_asked(resolved, *device) &&
           std::ranges::none_of(plan.transactions(), [&](const auto& it) {
-            return it.broadcast != BroadcastForm::none && is_for(*device, it);
+            return it.broadcast.has_value() && is_for(*device, it);
           })) {
         left_out.push_back(device);
       }

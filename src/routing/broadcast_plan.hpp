@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A broadcast write, in every form that the devices on the buses use: address 0 for the standard
-// ones, address 129 with function OR 0x80 for the Autonics AiC.
+// ones, and the forms that profiles state.
 #pragma once
 
 #include <boost/container/small_vector.hpp>
@@ -17,9 +17,6 @@ struct BroadcastFrame {
 };
 
 using BroadcastFrames = boost::container::small_vector<BroadcastFrame, 2>;
-
-/// The Autonics AiC's broadcast address (its manual, section 2.13).
-inline constexpr std::uint8_t kAutonicsBroadcastAddress = 129;
 
 /// Errors: 01 where a device would be reconfigured; 02 where no device takes such a broadcast; 03
 /// over a device's limit, or for a value that not all receivers have at the same place and in the

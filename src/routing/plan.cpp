@@ -96,9 +96,7 @@ std::optional<ExceptionCode> Plan::add_broadcast(const ResolvedRoute& resolved,
     if (transactions_.empty() || transactions_.back().bus != frame.bus) {
       add_questions(resolved, frame.bus, request);
     }
-    const auto address = frame.form == drive::BroadcastForm::autonics ? kAutonicsBroadcastAddress
-                                                                      : modbus::kBroadcastAddress;
-    transactions_.emplace_back(frame.bus, address, frame.request, false, frame.form);
+    transactions_.emplace_back(frame.bus, frame.form.address, frame.request, false, frame.form);
   }
   return std::nullopt;
 }

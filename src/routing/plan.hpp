@@ -16,7 +16,7 @@ struct PlannedTransaction {
   // Not an aggregate: all its room would be filled with zeros first.
   PlannedTransaction(BusId on, std::uint8_t to, const modbus::Request& asked,
                      bool may_be_silent = false,
-                     drive::BroadcastForm form = drive::BroadcastForm::none)
+                     std::optional<drive::BroadcastForm> form = std::nullopt)
       : bus(on),
         address(to),
         unit(to),
@@ -29,7 +29,7 @@ struct PlannedTransaction {
   std::uint8_t unit;     ///< on the wire: another one if every unit is that device
   modbus::Request request;
   bool silence_is_success;  ///< 08/01 and 08/04
-  drive::BroadcastForm broadcast;
+  std::optional<drive::BroadcastForm> broadcast;
   /// Set for a check that the gateway adds, a read of one register: what follows is sent only if
   /// the register holds one of these values.
   const std::vector<std::uint16_t>* must_hold = nullptr;

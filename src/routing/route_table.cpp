@@ -80,33 +80,36 @@ Audience RouteTable::audience_on(BusId bus) const {
   return audience;
 }
 
-// Where an AiC listens, address 129 is no device: it reaches them all, so that only a client who
-// may broadcast there gets a route.
+// Where drives hear broadcasts at an address of their own, that is no device's: it reaches them all,
+// so that only a client who may broadcast there gets a route.
 void RouteTable::guard_broadcast_address(Units& units) {
   for (std::size_t unit = 0; unit < units.size(); ++unit) {
     if (units[unit] == kNone) {
       continue;
     }
     const ResolvedRoute& resolved = routes_[static_cast<std::size_t>(units[unit])];
-    if (hears_autonics(resolved, unit)) {
-      units[unit] = route_of_autonics(resolved, units[0]);
+    if (const auto form = own_form_at(resolved, unit)) {
+      units[unit] = route_of_form(resolved, units[0], *form);
     }
   }
 }
 
-bool RouteTable::hears_autonics(const ResolvedRoute& resolved, std::size_t unit) const {
-  if (resolved.is_broadcast() ||
-      resolved.route.first_address + (unit - resolved.route.first_unit) !=
-          kAutonicsBroadcastAddress) {
-    return false;
+std::optional<drive::BroadcastForm> RouteTable::own_form_at(const ResolvedRoute& resolved,
+                                                            std::size_t unit) const {
+  if (resolved.is_broadcast()) {
+    return std::nullopt;
   }
-  return std::ranges::any_of(devices_, [&](const drive::Device& device) {
-    return device.bus == resolved.route.buses.front() &&
-           device.profile.broadcast.form == drive::BroadcastForm::autonics;
+  const std::size_t address = resolved.route.first_address + (unit - resolved.route.first_unit);
+  const auto hearer = std::ranges::find_if(devices_, [&](const drive::Device& device) {
+    const drive::Broadcast& rules = device.profile.broadcast;
+    return device.bus == resolved.route.buses.front() && rules.has_own_form() &&
+           rules.form->address == address;
   });
+  return hearer == devices_.end() ? std::nullopt : hearer->profile.broadcast.form;
 }
 
-RouteTable::Index RouteTable::route_of_autonics(const ResolvedRoute& resolved, Index broadcast) {
+RouteTable::Index RouteTable::route_of_form(const ResolvedRoute& resolved, Index broadcast,
+                                            drive::BroadcastForm form) {
   const BusId bus = resolved.route.buses.front();
   if (broadcast == kNone) {
     return kNone;
@@ -120,7 +123,7 @@ RouteTable::Index RouteTable::route_of_autonics(const ResolvedRoute& resolved, I
     only.route.access = Access::read_only;
   }
   only.audiences = {audience_on(bus)};
-  only.only_form = drive::BroadcastForm::autonics;
+  only.only_form = form;
   routes_.push_back(std::move(only));
   return static_cast<Index>(routes_.size() - 1);
 }

@@ -44,8 +44,10 @@ class RouteTable {
   void add(const Route& route, Units& units);
   void guard_broadcast_address(Units& units);
   [[nodiscard]] Audience audience_on(BusId bus) const;
-  [[nodiscard]] bool hears_autonics(const ResolvedRoute& resolved, std::size_t unit) const;
-  [[nodiscard]] Index route_of_autonics(const ResolvedRoute& resolved, Index broadcast);
+  [[nodiscard]] std::optional<drive::BroadcastForm> own_form_at(const ResolvedRoute& resolved,
+                                                                std::size_t unit) const;
+  [[nodiscard]] Index route_of_form(const ResolvedRoute& resolved, Index broadcast,
+                                    drive::BroadcastForm form);
 
   std::span<const drive::Device> devices_;
   std::deque<ResolvedRoute> routes_;  // their addresses are stable while the table is built

@@ -244,7 +244,7 @@ TEST(AicProfile, HasTheParameterGroupsOfTheSimulatedDrive) {
 // 2.13: the command coils and the communication registers.
 TEST(AicProfile, HasTheBroadcastsOfTheSimulatedDrive) {
   const drive::Broadcast& broadcast = shipped_profile("autonics-aic").profile.broadcast;
-  EXPECT_EQ(broadcast.form, drive::BroadcastForm::autonics);
+  EXPECT_EQ(broadcast.form, (drive::BroadcastForm{129, 0x80}));
   EXPECT_EQ(broadcast.most_registers, 2);
   const auto in = [](std::uint32_t address, std::uint32_t first, std::uint32_t last) {
     return address >= first && address <= last;
@@ -268,12 +268,12 @@ TEST(Broadcasts, HaveTheFormThatTheSimulatedDrivesHear) {
     return shipped_profile(profile).profile.broadcast.form;
   };
   for (const Series& series : kSeries) {
-    EXPECT_EQ(form(series.profile), BroadcastForm::standard);
+    EXPECT_EQ(form(series.profile), BroadcastForm{});
   }
   EXPECT_EQ(sim::MoonsDrive::kBroadcastAddress, modbus::kBroadcastAddress);
-  EXPECT_EQ(form("rs485-stepper"), BroadcastForm::standard);
+  EXPECT_EQ(form("rs485-stepper"), BroadcastForm{});
   EXPECT_EQ(sim::StepperDrive::kBroadcastAddress, modbus::kBroadcastAddress);
-  EXPECT_EQ(form("higen-fda6000"), BroadcastForm::none);
+  EXPECT_EQ(form("higen-fda6000"), std::nullopt);
 }
 
 }  // namespace

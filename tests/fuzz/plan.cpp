@@ -138,7 +138,7 @@ void check_unicast(const Scene& scene, const Plan& plan, const Request& request,
   for (const PlannedTransaction& transaction : plan.transactions()) {
     require(transaction.bus == scene.resolved.route.buses.front() &&
                 transaction.address == kFirstAddress + scene.unit - kFirstUnit &&
-                transaction.broadcast == BroadcastForm::none,
+                transaction.broadcast == std::nullopt,
             "a request goes where its unit leads");
     if (scene.resolved.device != nullptr) {
       check_limits(scene.device(), transaction.request);
@@ -156,8 +156,8 @@ void check_unicast(const Scene& scene, const Plan& plan, const Request& request,
 /// What reaches one drive, or one of which nothing is known.
 void check_hearer(const Scene& scene, const drive::Device& device, const Plan& plan,
                   const Request& request) {
-  const bool autonics = device.profile.broadcast.form == BroadcastForm::autonics;
-  const bool is_meant = device.profile.broadcast.form != BroadcastForm::none &&
+  const bool autonics = device.profile.broadcast.form == BroadcastForm{129, 0x80};
+  const bool is_meant = device.profile.broadcast.form != std::nullopt &&
                         (autonics || !scene.resolved.only_form) && takes(scene, device, request);
   PlainDevice real;
   PlainDevice expected;
@@ -182,8 +182,8 @@ void check_hearer(const Scene& scene, const drive::Device& device, const Plan& p
 void check_broadcast(const Scene& scene, const Plan& plan, const Request& request) {
   for (const PlannedTransaction& transaction : plan.transactions()) {
     if (transaction.must_hold == nullptr) {
-      const bool autonics = transaction.broadcast == BroadcastForm::autonics;
-      require(transaction.broadcast != BroadcastForm::none &&
+      const bool autonics = transaction.broadcast == BroadcastForm{129, 0x80};
+      require(transaction.broadcast != std::nullopt &&
                   transaction.address == (autonics ? kAutonicsAddress : 0),
               "a broadcast has the address of its form");
       require(!scene.resolved.only_form || transaction.broadcast == *scene.resolved.only_form,

@@ -123,10 +123,10 @@ inline std::vector<const drive::Device*> hearers(const Scene& scene,
   std::vector<const drive::Device*> found;
   bool any_meant = false;
   for (const drive::Device* device : audience.devices) {
-    const BroadcastForm own = device->profile.broadcast.form;
-    const bool hears = form == BroadcastForm::autonics
+    const auto own = device->profile.broadcast.form;
+    const bool hears = form == BroadcastForm{129, 0x80}
                            ? own == form && takes(scene, *device, request)
-                           : own != BroadcastForm::autonics;
+                           : own != BroadcastForm{129, 0x80};
     any_meant = any_meant || (hears && own == form);
     if (hears) {
       found.push_back(device);
@@ -162,12 +162,12 @@ inline bool broadcast_may_be_refused(const Scene& scene, const modbus::Request& 
   std::vector<const drive::Device*> all;
   bool goes_out = false;
   for (const routing::Audience& audience : scene.resolved.audiences) {
-    for (const auto form : {BroadcastForm::standard, BroadcastForm::autonics}) {
+    for (const auto form : {BroadcastForm{}, BroadcastForm{129, 0x80}}) {
       if (scene.resolved.only_form.value_or(form) == form) {
         const auto some = hearers(scene, audience, form, request);
         all.insert(all.end(), some.begin(), some.end());
         goes_out = goes_out || !some.empty() ||
-                   (audience.devices.empty() && form == BroadcastForm::standard);
+                   (audience.devices.empty() && form == BroadcastForm{});
       }
     }
   }

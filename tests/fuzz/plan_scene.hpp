@@ -74,13 +74,19 @@ inline drive::Device read_device(Script& script) {
   return device;
 }
 
+inline std::optional<BroadcastForm> form_of(unsigned choice) {
+  return choice % 3 == 0   ? std::nullopt
+         : choice % 3 == 1 ? std::optional(BroadcastForm{})
+                           : std::optional(BroadcastForm{129, 0x80});
+}
+
 /// One that hears broadcasts: like the one before it, or another one.
 inline drive::Device read_hearer(Script& script, const drive::Device& before) {
   const std::uint8_t rules = script.byte();
   drive::Device device = (rules & 1U) != 0 ? read_device(script) : before;
   device.bus = drive::BusId{(rules >> 1U) & 1U};
   auto& broadcast = device.profile.broadcast;
-  broadcast.form = static_cast<BroadcastForm>((rules >> 2U) % 3);
+  broadcast.form = form_of(rules >> 2U);
   if ((rules & 0x10U) != 0) {
     broadcast.most_registers = static_cast<std::uint16_t>(1 + script.byte() % 8);
   }
@@ -163,7 +169,7 @@ inline void read_broadcast(Script& script, Scene& scene) {
     scene.devices.push_back(read_hearer(script, scene.devices.back()));
   }
   const std::uint8_t rules = script.byte();
-  scene.devices.front().profile.broadcast.form = static_cast<BroadcastForm>((rules >> 2U) % 3);
+  scene.devices.front().profile.broadcast.form = form_of(rules >> 2U);
   if ((rules & 1U) != 0) {
     scene.devices.pop_front();
   }
@@ -173,7 +179,7 @@ inline void read_broadcast(Script& script, Scene& scene) {
   scene.unit = 0;
   resolved.route.buses = {drive::BusId{0}, drive::BusId{1}};
   if ((rules & 2U) != 0) {
-    resolved.only_form = BroadcastForm::autonics;
+    resolved.only_form = BroadcastForm{129, 0x80};
     resolved.route.buses.pop_back();
   }
   for (const drive::BusId bus : resolved.route.buses) {

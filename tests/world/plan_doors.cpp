@@ -164,7 +164,7 @@ void draw_forms(Plan& plan) {
     if (has_some && !plan.is_tcp(station.bus) && random.chance(500)) {
       station.other_broadcasts = true;
       plan.settings.devices[*station.device].profile.broadcast.form =
-          drive::BroadcastForm::autonics;
+          drive::BroadcastForm{129, 0x80};
     }
   }
 }

@@ -47,7 +47,7 @@ void draw_profile(drive::Device& device, bool is_tcp, Random& random) {
     profile.functions.reset(random.one_of<std::size_t>({0x07, 0x08, 0x11, 0x16, 0x17, 0x18}));
   }
   if (!is_tcp && random.chance(100)) {
-    profile.broadcast.form = drive::BroadcastForm::none;
+    profile.broadcast.form = std::nullopt;
   }
   device.word_order = random.one_of({WordOrder::big, WordOrder::little});
   device.split_writes = random.chance(500);

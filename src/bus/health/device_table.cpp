@@ -57,8 +57,8 @@ Addresses DeviceTable::update(const BusSettings& settings, std::span<const drive
 }
 
 bool DeviceTable::is_stop(std::uint8_t address, const modbus::Request& request,
-                          drive::BroadcastForm broadcast) const {
-  if (broadcast == drive::BroadcastForm::none) {
+                          std::optional<drive::BroadcastForm> broadcast) const {
+  if (!broadcast) {
     return entries_.at(address).device->is_stop(request);
   }
   return std::ranges::any_of(devices_, [&](const drive::Device& device) {

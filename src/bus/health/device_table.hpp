@@ -106,7 +106,7 @@ class DeviceTable {
   [[nodiscard]] Duration longest_transaction() const { return longest_transaction_; }
   /// Is the request a stop for the device at the address, or for a device that hears the broadcast?
   [[nodiscard]] bool is_stop(std::uint8_t address, const modbus::Request& request,
-                             drive::BroadcastForm broadcast) const;
+                             std::optional<drive::BroadcastForm> broadcast) const;
   /// A broadcast was sent. Devices that it restarts are left alone until they have booted.
   void hold_booting(const Transaction& broadcast, Instant now);
   /// A broadcast is being sent. For the devices that hear it, and whose stop it is not, it is a

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "bus/job.hpp"
@@ -44,12 +45,12 @@ class AcknowledgedStops {
  private:
   struct Stop {
     std::uint8_t address;
-    drive::BroadcastForm broadcast;
+    std::optional<drive::BroadcastForm> broadcast;
     modbus::Pdu request;
     Instant at;
   };
   static bool is_broadcast(const Stop& stop) {
-    return stop.broadcast != drive::BroadcastForm::none;
+    return stop.broadcast.has_value();
   }
   static bool is_over(const Stop& stop, Instant now) { return now >= stop.at + kStopCountsFor; }
   static bool is_same(const Stop& stop, const Transaction& other) {

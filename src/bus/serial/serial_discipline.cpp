@@ -16,14 +16,14 @@ constexpr int kEarlyPart = 8;  // of the response wait
 // A driver, and the bus that its adapter is on, may begin a frame so much later than it was given.
 constexpr Duration kDriverIsLate = std::chrono::milliseconds(20);
 
-// Autonics' form of a broadcast has a function of its own (AiC manual, section 2.13).
+// Some drives' form of a broadcast has function codes of its own.
 modbus::Pdu pdu_on_wire(const Transaction& transaction) {
   const modbus::Pdu& pdu = transaction.request.pdu();
-  if (transaction.broadcast != drive::BroadcastForm::autonics) {
+  if (!transaction.broadcast || transaction.broadcast->function_or == 0) {
     return pdu;
   }
   std::vector<std::uint8_t> bytes(pdu.bytes().begin(), pdu.bytes().end());
-  bytes.front() = static_cast<std::uint8_t>(pdu.function() | modbus::kExceptionBit);
+  bytes.front() = static_cast<std::uint8_t>(pdu.function() | transaction.broadcast->function_or);
   return *modbus::Pdu::from(bytes);
 }
 

@@ -96,8 +96,7 @@ void check_windows(Draft& draft, std::size_t at) {
 
 /// Where the manual states no broadcasts, the drive may well listen to the standard's.
 BroadcastForm heard_form(const Device& device) {
-  const auto form = device.profile.broadcast.form;
-  return form == BroadcastForm::none ? BroadcastForm::standard : form;
+  return device.profile.broadcast.form.value_or(BroadcastForm{});
 }
 
 }  // namespace
@@ -111,7 +110,13 @@ void check_routes(Draft& draft) {
 
 void check_broadcast_mixed(Draft& draft, TomlTable& table, std::string_view key,
                            const std::vector<drive::BusId>& buses) {
-  for (const auto form : {BroadcastForm::standard, BroadcastForm::autonics}) {
+  std::vector<BroadcastForm> forms;
+  for (const Device& device : draft.settings.devices) {
+    if (std::ranges::find(forms, heard_form(device)) == forms.end()) {
+      forms.push_back(heard_form(device));
+    }
+  }
+  for (const auto form : forms) {
     const Device* first = nullptr;
     for (std::size_t i = 0; i < draft.settings.devices.size(); ++i) {
       const auto& device = draft.settings.devices[i];

@@ -20,9 +20,9 @@ using namespace std::chrono_literals;
 /// So that the numbers of all 65536 addresses fit 32 bits.
 constexpr IntegerRange kNumbering = {0, 4'000'000'000};
 
-constexpr std::array kForms = {Word{"standard", BroadcastForm::standard},
-                               Word{"autonics", BroadcastForm::autonics},
-                               Word{"none", BroadcastForm::none}};
+enum class FormWord : std::uint8_t { standard, own, none };
+constexpr std::array kForms = {Word{"standard", FormWord::standard}, Word{"own", FormWord::own},
+                               Word{"none", FormWord::none}};
 
 enum class OrderOfMaker : std::uint8_t { big, little, settable };
 constexpr std::array kOrders = {Word{"big", OrderOfMaker::big},
@@ -114,7 +114,25 @@ void read_broadcast(ProfileDraft& draft) {
   }
   auto& broadcast = draft.file.profile.broadcast;
   table->require("form");
-  assign(broadcast.form, table->word<BroadcastForm>("form", kForms));
+  const auto form = table->word<FormWord>("form", kForms);
+  const bool is_own = form == FormWord::own;
+  if (form == FormWord::none) {
+    broadcast.form.reset();
+  }
+  if (is_own) {
+    table->require("address");
+    BroadcastForm& own = broadcast.form.emplace();
+    own.address = static_cast<std::uint8_t>(table->integer("address", {1, 255}).value_or(1));
+    own.function_or = static_cast<std::uint8_t>(table->integer("function_or", {0, 255}).value_or(0));
+    broadcast.only = table->boolean("only").value_or(true);
+  }
+  if (form && !is_own) {
+    for (const char* key : {"address", "function_or", "only"}) {
+      if (table->has(key)) {
+        table->error(key, R"(belongs to form = "own")");
+      }
+    }
+  }
   if (const auto most = table->integer("most_registers", {1, 123})) {
     broadcast.most_registers = static_cast<std::uint16_t>(*most);
   }

@@ -5,7 +5,6 @@ namespace mbgate::config {
 namespace {
 
 constexpr std::uint8_t kLoneServer = 255;
-constexpr std::uint8_t kAutonicsBroadcast = 129;  // Autonics AiC manual, section 2.13
 
 void read_bus(Draft& draft, TomlTable& table, drive::Device& device) {
   if (!table.require("bus")) {
@@ -70,16 +69,18 @@ void check_address_of_profile(const Draft& draft, TomlTable& table, const drive:
   }
 }
 
-/// Where the AiC's own form of a broadcast is used, its address can be no device's.
+/// Where a form of broadcasts of its own is used, its address can be no device's.
 void check_broadcast_address(Draft& draft) {
   const auto& devices = draft.settings.devices;
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const auto hearer = std::ranges::find_if(devices, [&](const drive::Device& other) {
       return other.bus == devices[i].bus &&
-             other.profile.broadcast.form == drive::BroadcastForm::autonics;
+             other.profile.broadcast.has_own_form() &&
+             other.profile.broadcast.form->address == devices[i].address;
     });
-    if (devices[i].address == kAutonicsBroadcast && hearer != devices.end()) {
-      draft.devices[i].error("address", "129 is the address of broadcasts on this bus (" +
+    if (hearer != devices.end()) {
+      draft.devices[i].error("address", std::to_string(devices[i].address) +
+                                            " is the address of broadcasts on this bus (" +
                                             in_quotes(hearer->name) + " hears them there)");
     }
   }

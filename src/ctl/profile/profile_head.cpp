@@ -102,13 +102,14 @@ std::string writes_text(const ProfileFile& file) {
 
 std::string broadcast_text(const ProfileFile& file) {
   const auto& broadcast = file.profile.broadcast;
-  std::string text;
-  switch (broadcast.form) {
-    case drive::BroadcastForm::none: return "none stated";
-    case drive::BroadcastForm::standard: text = "at address 0"; break;
-    case drive::BroadcastForm::autonics:
-      text = "at address 129, with functions 0x85, 0x86 and 0x90";
-      break;
+  if (!broadcast.form) {
+    return "none stated";
+  }
+  std::string text = "at address " + std::to_string(broadcast.form->address);
+  if (broadcast.form->function_or != 0) {
+    std::array<char, 16> digits{};
+    std::snprintf(digits.data(), digits.size(), "0x%02X", broadcast.form->function_or);
+    text += std::string(", with function codes OR ") + digits.data();
   }
   if (broadcast.most_registers) {
     text += ", at most " + std::to_string(*broadcast.most_registers) + " registers";

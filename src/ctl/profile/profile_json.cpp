@@ -122,18 +122,10 @@ json::value order_json(const drive::Profile& profile) {
   return profile.word_order ? text(config::order_word(*profile.word_order)) : json::value(nullptr);
 }
 
-std::string_view form_text(drive::BroadcastForm form) {
-  switch (form) {
-    case drive::BroadcastForm::none: return "none";
-    case drive::BroadcastForm::standard: return "standard";
-    case drive::BroadcastForm::autonics: return "autonics";
-  }
-  return {};
-}
-
 json::object broadcast_json(const ProfileFile& file) {
   const auto& broadcast = file.profile.broadcast;
-  json::object object{{"form", text(form_text(broadcast.form))},
+  const auto form = broadcast.form;
+  json::object object{{"form", !form ? "none" : form->is_standard() ? "standard" : "own"},
                       {"most_registers", number_or_null(broadcast.most_registers)}};
   object["allowed"] = broadcast.allowed ? json::value(ranges_json(file, file.broadcast_allowed))
                                         : json::value(nullptr);

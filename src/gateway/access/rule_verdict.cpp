@@ -99,7 +99,7 @@ bool goes_to_bus_of(const routing::ResolvedRoute& resolved, const routing::Plan&
 // A broadcast is for all units that lead to its buses.
 void add_reached(const SettingsSnapshot& settings, const routing::Plan& plan,
                  AccessQuestion& question) {
-  if (plan.transactions().back().broadcast == drive::BroadcastForm::none) {
+  if (!plan.transactions().back().broadcast) {
     return;
   }
   for (unsigned unit = 0; unit <= std::numeric_limits<std::uint8_t>::max(); ++unit) {

@@ -27,7 +27,7 @@ std::optional<std::size_t> DeviceIndex::at(drive::BusId bus, std::uint8_t addres
 }
 
 DevicePlaces DeviceIndex::reached_by(const routing::PlannedTransaction& transaction) const {
-  if (transaction.broadcast != drive::BroadcastForm::none) {
+  if (transaction.broadcast) {
     return buses_[static_cast<std::size_t>(transaction.bus)].all;
   }
   const auto place = at(transaction.bus, transaction.address);
@@ -36,7 +36,7 @@ DevicePlaces DeviceIndex::reached_by(const routing::PlannedTransaction& transact
 
 DevicePlaces DeviceIndex::addressed_by(const routing::PlannedTransaction& transaction) const {
   DevicePlaces places = reached_by(transaction);
-  if (transaction.broadcast != drive::BroadcastForm::none) {
+  if (transaction.broadcast) {
     const auto deaf = std::ranges::remove_if(places, [&](std::size_t place) {
       return !devices_[place].is_addressed_by(transaction.address, transaction.broadcast);
     });

@@ -31,7 +31,7 @@ bool WriteRules::is_stop(const routing::PlannedTransaction& transaction) const {
 
 bool WriteRules::is_stop(const routing::Plan& plan) const {
   const auto part_stops = [this](const auto& it) { return is_stop(it); };
-  const bool for_all = plan.transactions().back().broadcast != drive::BroadcastForm::none;
+  const bool for_all = plan.transactions().back().broadcast.has_value();
   return !plan.is_read() && (for_all ? std::ranges::any_of(plan.transactions(), part_stops)
                                      : std::ranges::all_of(plan.transactions(), part_stops));
 }

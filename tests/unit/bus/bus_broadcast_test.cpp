@@ -14,7 +14,7 @@ class BusBroadcast : public Bus {
   bus::Job& both_forms(std::string_view request) {
     bus::Job& made = job(request, 0);
     add(made, request, 129);
-    made.transactions[1].broadcast = drive::BroadcastForm::autonics;
+    made.transactions[1].broadcast = drive::BroadcastForm{129, 0x80};
     return made;
   }
 };
@@ -45,7 +45,7 @@ TEST_F(BusBroadcast, NothingComesBetweenTheForms) {
 TEST_F(BusBroadcast, WritesOfSeveralRegistersHaveAFormForAutonicsToo) {
   open(settings());
   bus::Job& write = job("10 0000 0001 02 0005", 129);
-  write.transactions[0].broadcast = drive::BroadcastForm::autonics;
+  write.transactions[0].broadcast = drive::BroadcastForm{129, 0x80};
   submit(write);
   EXPECT_THAT(frames_, ElementsAre("81 90 00 00 00 01 02 00 05 0F F5"));
 }
@@ -74,7 +74,7 @@ TEST_F(BusBroadcast, OfAStopAllFormsGoBeforeOtherStops) {
 
 TEST_F(BusBroadcast, ThatReachesADriveByItsSecondFormIsCancelledByTheStopOfThatDrive) {
   drive::Device aic = axis(settings());
-  aic.profile.broadcast.form = drive::BroadcastForm::autonics;
+  aic.profile.broadcast.form = drive::BroadcastForm{129, 0x80};
   open(settings(), {aic});
   submit(job_of(1, kRead, 2));
   submit(both_forms("06 0000 0001"));
@@ -108,7 +108,7 @@ TEST_F(BusBroadcast, OfAStopAllFormsGoThoughTheLineIsNotSilentAnyMore) {
 TEST_F(BusBroadcast, SaysNothingOfTheDeviceThatHasTheAddress) {
   open(settings());
   bus::Job& write = job("06 0000 0001", 129);
-  write.transactions[0].broadcast = drive::BroadcastForm::autonics;
+  write.transactions[0].broadcast = drive::BroadcastForm{129, 0x80};
   submit(write);
   advance(1s);
   EXPECT_EQ(bus_->devices()[129].counters.transmissions, 0U);

@@ -79,7 +79,7 @@ class Bus : public testing::Test {
     const auto pdu = modbus::Pdu::from(unhex(request));
     job.transactions.push_back({address, *modbus::Request::parse(*pdu)});
     if (address == modbus::kBroadcastAddress) {
-      job.transactions.back().broadcast = drive::BroadcastForm::standard;
+      job.transactions.back().broadcast = drive::BroadcastForm{};
     }
   }
   /// The same, of another client address.

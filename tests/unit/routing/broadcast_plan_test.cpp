@@ -147,14 +147,14 @@ TEST_F(Broadcasts, SoIsItUnderWhateverUnit) {
 TEST_F(Broadcasts, WhoeverMayListenIsAsked) {
   // At address 0 a drive without a stated form may hear what is meant for another.
   devices = {moons(1, {}), moons(2, {})};
-  devices[1].profile.broadcast.form = BroadcastForm::none;
+  devices[1].profile.broadcast.form = std::nullopt;
   EXPECT_EQ(sent("06 0001 0002"), Texts{"0: 06 00 01 00 02"});
   devices[0].allow_reconfigure = true;
   EXPECT_EQ(sent("06 0005 0001"), Texts{kNotAllowed});
   devices[1].allow_reconfigure = true;
   EXPECT_EQ(sent("06 0005 0001"), Texts{"0: 06 00 05 00 01"});
   // A list of what may be broadcast protects a drive from what another takes.
-  devices[1].profile.broadcast = {BroadcastForm::standard, {}, drive::RangeList{}};
+  devices[1].profile.broadcast = {BroadcastForm{}, {}, drive::RangeList{}};
   EXPECT_EQ(sent("06 0001 0002"), Texts{kIllegalAddress});
 }
 
@@ -177,7 +177,7 @@ TEST_F(Broadcasts, VerifiedReceiversAreAskedForTheirWordOrderFirst) {
 
 TEST_F(Broadcasts, DevicesWhoseManualStatesNoneAreNotMeant) {
   devices = {moons(1, {})};
-  devices[0].profile.broadcast.form = BroadcastForm::none;
+  devices[0].profile.broadcast.form = std::nullopt;
   EXPECT_EQ(sent("06 0001 0001"), Texts{kIllegalAddress});
 }
 
@@ -227,7 +227,7 @@ TEST_F(Broadcasts, AStopIsNoWriteOnLinesWhereItStopsNobody) {
 TEST_F(Broadcasts, ItIsKnownWhomTheyAreNotFor) {
   devices = {moons(1, {}), moons(2, {}), aic()};
   devices[0].name = "axis-1";
-  devices[1].profile.broadcast.form = BroadcastForm::none;
+  devices[1].profile.broadcast.form = std::nullopt;
   devices[1].name = "axis-2";
   devices[0].profile.stops = devices[1].profile.stops = {{Table::holding_registers, 40, 0xFFFF, 1}};
   routes[0].broadcast_mixed = true;

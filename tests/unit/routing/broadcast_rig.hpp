@@ -18,7 +18,7 @@ inline drive::Device aic(std::uint8_t address = 17) {
   device.word_order = WordOrder::big;
   device.profile.name = "autonics-aic";
   device.profile.broadcast = {
-      BroadcastForm::autonics, 2,
+      BroadcastForm{129, 0x80}, 2,
       drive::RangeList{{Table::coils, 10, 17}, {Table::holding_registers, 50, 20}}};
   device.profile.values.add({Table::holding_registers, 60});
   return device;
@@ -52,7 +52,7 @@ class Broadcasts : public testing::Test {
     Texts texts;
     for (const auto& transaction : plan->transactions()) {
       texts.push_back(std::to_string(transaction.address) +
-                      (transaction.broadcast == BroadcastForm::autonics ? " OR 80: " : ": ") +
+                      (transaction.broadcast == BroadcastForm{129, 0x80} ? " OR 80: " : ": ") +
                       hex(transaction.request.pdu().bytes()));
     }
     return texts;

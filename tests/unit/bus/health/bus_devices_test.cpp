@@ -195,7 +195,7 @@ TEST_F(BusSettings, AreAskedForOnceAndAgainAfterSilenceOrAnotherLine) {
 
 TEST_F(BusSettings, AreAskedForAgainWhenABroadcastMayHaveChangedThem) {
   auto told = stated();
-  told.profile.broadcast.form = drive::BroadcastForm::standard;
+  told.profile.broadcast.form = drive::BroadcastForm{};
   told.profile.communication = {{modbus::Table::holding_registers, 0, 1}};
   open(settings(), {told});
   EXPECT_TRUE(is_asked());

@@ -188,7 +188,7 @@ TEST_F(BusRepeats, AReadOfADeviceThatABroadcastMadeBootGoesOnWhenItHas) {
   auto retrying = settings();
   retrying.timing.retries = 1;
   drive::Device booting{"booting", {}, 1, retrying.timing};
-  booting.profile.broadcast.form = drive::BroadcastForm::standard;
+  booting.profile.broadcast.form = drive::BroadcastForm{};
   booting.profile.unanswered = {{{.address = 0, .mask = 0xFFFF, .value = 1}, 3s}};
   open(retrying, {booting});
   submit(job_of(0, kRead, 1));

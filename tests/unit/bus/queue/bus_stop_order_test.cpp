@@ -65,7 +65,7 @@ TEST_F(BusStopOrder, EveryFrameOfAStopGoesLikeTheFirst) {
   drain();
   bus::Job& stop = job(kStop, 0);
   add(stop, kStop, 129);
-  stop.transactions.back().broadcast = drive::BroadcastForm::autonics;
+  stop.transactions.back().broadcast = drive::BroadcastForm{129, 0x80};
   stop.deadline = now_ + 5ms;
   submit(stop);
   advance(kT35 + kEmission + 20ms + kEmission);

@@ -24,7 +24,7 @@ TEST_F(BusTcp, AsksAtOnceAndTakesTheAnswerInPieces) {
 TEST_F(BusTcp, TakesUnitZeroForADevice) {
   open(tcp());
   bus::Job& read = job(kRead, 0);
-  read.transactions[0].broadcast = drive::BroadcastForm::none;
+  read.transactions[0].broadcast = std::nullopt;
   submit(read);
   answer(0, "00 03 02 12 34");
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));

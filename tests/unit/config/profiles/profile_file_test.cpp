@@ -119,11 +119,11 @@ TEST(ProfileFile, KnowsFixedOrdersAndBroadcasts) {
   EXPECT_FALSE(fixed.word_order_settable);
   EXPECT_TRUE(fixed.input_as_holding);
   EXPECT_EQ(fixed.write_function, 16);
-  EXPECT_EQ(fixed.broadcast.form, drive::BroadcastForm::standard);
+  EXPECT_EQ(fixed.broadcast.form, drive::BroadcastForm{});
   EXPECT_FALSE(fixed.broadcast.allowed);
   EXPECT_EQ(fixed.last_address, 247);
   const auto aic = file_of("aic").profile;
-  EXPECT_EQ(aic.broadcast.form, drive::BroadcastForm::autonics);
+  EXPECT_EQ(aic.broadcast.form, (drive::BroadcastForm{129, 0x80}));
   EXPECT_EQ(aic.broadcast.most_registers, 2);
   ASSERT_TRUE(aic.broadcast.allowed);
   EXPECT_THAT(*aic.broadcast.allowed, ElementsAre(drive::TableRange{Table::coils, 11, 17}));

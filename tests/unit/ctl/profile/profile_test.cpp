@@ -107,8 +107,8 @@ TEST(Profile, ShowsFixedOrdersAndBroadcasts) {
                         "  function 4      reads the holding registers\n"
                         "  word order      little: low word first\n"));
   EXPECT_THAT(show("aic").out,
-              HasSubstr("  broadcasts      at address 129, with functions 0x85, 0x86 and 0x90, at "
-                        "most 2 registers, only to coils 0x000B-0x001B\n"));
+              HasSubstr("  broadcasts      at address 129, with function codes OR 0x80, at most 2 "
+                        "registers, only to coils 0x000B-0x001B\n"));
   EXPECT_THAT(show("generic").out, HasSubstr("  functions       all\n"));
 }
 

@@ -183,7 +183,7 @@ class BroadcastOfAutonics : public testing::Test {
   static Lines asked_with(const AccessRule& denies) {
     Settings settings = plant_with({denies, rule(true, "")});
     for (drive::Device& device : settings.devices) {
-      device.profile.broadcast.form = drive::BroadcastForm::autonics;
+      device.profile.broadcast.form = drive::BroadcastForm{129, 0x80};
     }
     settings.routes.emplace_back().buses = {BusId{0}};  // unit 0
     MachineRig rig(settings);

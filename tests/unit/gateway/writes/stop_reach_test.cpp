@@ -50,7 +50,7 @@ TEST(Stop, IsSentThoughItIsOlderThanTheProcess) {
 
 TEST(Stop, OfAllCountsForEveryDeviceThatHearsIt) {
   Settings settings = stop_plant();
-  settings.devices[1].profile.broadcast.form = drive::BroadcastForm::none;
+  settings.devices[1].profile.broadcast.form = std::nullopt;
   auto& route = settings.routes.emplace_back();
   route.buses = {BusId{0}};  // unit 0
   MachineRig rig(settings);
