@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <sstream>
 
-#include "ctl/options/cert_options.hpp"
 #include "ctl/options/check_options.hpp"
 #include "ctl/options/control_options.hpp"
 #include "ctl/options/doctor_options.hpp"
@@ -31,8 +30,7 @@ struct Subcommands {
         reload(app),
         clear_counters(app),
         events(app),
-        trace(app),
-        cert(app) {}
+        trace(app) {}
 
   /// That of the subcommand which was given. The error is a full sentence.
   [[nodiscard]] Result<Command, std::string> command() const {
@@ -66,9 +64,6 @@ struct Subcommands {
     if (trace.given()) {
       return trace.command();
     }
-    if (cert.given()) {
-      return cert.command();
-    }
     return clear_counters.given() ? clear_counters.command() : events.command();
   }
 
@@ -84,7 +79,6 @@ struct Subcommands {
   ClearCountersOptions clear_counters;
   EventsOptions events;
   TraceOptions trace;
-  CertOptions cert;
 };
 
 }  // namespace
@@ -94,7 +88,7 @@ std::variant<Command, Notice> parse_command_line(const std::string& version, int
   CLI::App app(
       "Reads and writes Modbus devices through a gateway, or any Modbus TCP server, finds out what "
       "is on a bus and what is wrong with a line, shows drive profiles, checks a configuration, "
-      "replays a recording, asks a running mbgated how it is, and makes certificates.",
+      "replays a recording, and asks a running mbgated how it is.",
       "mbgatectl");
   app.set_version_flag("--version", "mbgatectl " + version);
   app.require_subcommand(1);

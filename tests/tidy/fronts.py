@@ -27,11 +27,10 @@ FRONTS = {
     "config/toml": {
         "duration_text", "match_entry", "suggestion", "toml_reader", "toml_value", "unit_range", "words",
     },
-    "ctl/cert": {"cert_command", "cert_request", "cert_text", "certificate", "role_extension"},
     "ctl/control": {"control_command", "control_shell", "event_reader"},
     "ctl/doctor": {"doctor_command"},
     "ctl/options": {
-        "cert_options", "check_options", "control_options", "doctor_options", "profile_options", "replay_options", "request_options",
+        "check_options", "control_options", "doctor_options", "profile_options", "replay_options", "request_options",
         "scan_options", "trace_options",
     },
     "ctl/profile": {"profile_text", "show_profile"},
@@ -39,7 +38,7 @@ FRONTS = {
     "ctl/request": {"carry_out", "command", "interruption", "modbus_client", "period", "report", "value_text"},
     "ctl/scan": {"scan", "scan_command"},
     "ctl/serial": {"heard", "line_mode", "serial_client", "serial_port"},
-    "ctl/tls": {"openssl", "tls_identity", "tls_tunnel"},
+    "ctl/tls": {"certificate_role", "tls_identity", "tls_tunnel"},
     "ctl/trace": {"trace_command"},
     "gateway/access": {"access_book", "denial_reports", "report_limit", "rule_verdict", "who"},
     "gateway/clients": {"clients", "sessions"},

@@ -60,7 +60,7 @@ Result<Target, std::string> ServerOptions::target() const {
     if (identity_.certificate.empty() || identity_.key.empty() || identity_.authorities.empty()) {
       return {boost::system::in_place_error,
               "--tls needs --certificate, --key and --authorities: the server is to know who asks, "
-              "and so are we who answers (mbgatectl cert makes such files)"};
+              "and so are we who answers (mbgate-cert makes such files)"};
     }
     target.tls = identity_;
     target.port = kTlsPort;

@@ -4,7 +4,6 @@
 #include <ostream>
 #include <string_view>
 
-#include "ctl/cert/cert_command.hpp"
 #include "ctl/check_config.hpp"
 #include "ctl/control/control_command.hpp"
 #include "ctl/doctor/doctor_command.hpp"
@@ -106,10 +105,6 @@ int carry_out_one(const EventsCommand& command, std::ostream& out, std::ostream&
 
 int carry_out_one(const TraceCommand& command, std::ostream& out, std::ostream& errors) {
   return follow_trace(command, out, errors);
-}
-
-int carry_out_one(const CertCommand& command, std::ostream& out, std::ostream& errors) {
-  return carry_out_cert(command, out, errors);
 }
 
 }  // namespace

@@ -10,7 +10,6 @@
 #include <variant>
 #include <vector>
 
-#include "ctl/cert/cert_request.hpp"
 #include "ctl/request/value.hpp"
 #include "ctl/serial/line_mode.hpp"
 #include "ctl/tls/tls_identity.hpp"
@@ -166,7 +165,7 @@ struct TraceCommand {
 
 using Command = std::variant<ReadCommand, WriteCommand, ProfileCommand, ScanCommand, CheckCommand,
                              DoctorCommand, ReplayCommand, StatusCommand, ReloadCommand,
-                             ClearCountersCommand, EventsCommand, TraceCommand, CertCommand>;
+                             ClearCountersCommand, EventsCommand, TraceCommand>;
 
 /// The request for the command: 01-04; 05 and 06 for one coil or register; else 15 and 16, so that
 /// the registers of a value are never written one by one. The error is a full sentence.
