@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/doctor/doctor_command.hpp"
-
 #include <algorithm>
 #include <ostream>
 
@@ -48,7 +46,7 @@ int examine_and_print(const LinePlan& plan, const DoctorCommand& command, std::o
 
 }  // namespace
 
-int carry_out_doctor(const DoctorCommand& command, std::ostream& out, std::ostream& errors) {
+int examine_line(const DoctorCommand& command, std::ostream& out, std::ostream& errors) {
   if (command.port) {
     return examine_and_print(plan_of_port(command), command, out, errors);
   }

@@ -8,7 +8,7 @@
 #include "ctl/doctor/line_findings.hpp"
 #include "ctl/doctor/port_facts_shell.hpp"
 #include "ctl/doctor/questions_shell.hpp"
-#include "ctl/request/interruption.hpp"
+#include "ctl/request/repetition.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -12,7 +12,6 @@
 
 #include "ctl/request/value.hpp"
 #include "ctl/serial/line_mode.hpp"
-#include "ctl/tls/tls_identity.hpp"
 #include "modbus/pdu.hpp"
 #include "modbus/request.hpp"
 #include "modbus/result.hpp"
@@ -20,6 +19,14 @@
 namespace mbgate::ctl {
 
 using modbus::Table;
+
+/// Who we are to a server over TLS, and whom we take it for.
+struct TlsIdentity {
+  std::filesystem::path certificate;  ///< ours, in PEM, with those between it and its authority
+  std::filesystem::path key;
+  std::filesystem::path authorities;  ///< who may have signed the server's certificate
+  std::string server_name;            ///< that it is for; empty: the host that is connected to
+};
 
 /// A Modbus TCP server and a unit identifier.
 struct Target {

@@ -1,21 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/control/watch.hpp"
-
 #include <algorithm>
+#include <boost/json/serialize.hpp>
 #include <chrono>
 #include <ostream>
 
 #include "config/toml/duration_text.hpp"
+#include "ctl/control/control_shell.hpp"
 #include "ctl/control/screen_shell.hpp"
-#include "ctl/control/status_question.hpp"
+#include "ctl/control/status_text.hpp"
 #include "ctl/request/carry_out.hpp"
-#include "ctl/request/interruption.hpp"
-#include "ctl/request/period.hpp"
+#include "ctl/request/repetition.hpp"
+#include "ctl/request/report.hpp"
+#include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {
 namespace {
 
 using std::chrono::steady_clock;
+using StatusAnswer = Result<std::string, Failure>;
+
+/// mbgated itself says after 1 s that its machine does not answer.
+constexpr std::chrono::seconds kStatusLimit{5};
+
+/// Text for people, or with --json one object on one line; both end with a newline. `give_up`: as
+/// of ask_control().
+StatusAnswer ask_status(const StatusCommand& command, const std::function<bool()>& give_up = {}) {
+  const auto answer = ask_control(command.socket, "GET", "/api/v1/status", kStatusLimit, give_up);
+  if (!answer) {
+    return Failure{kExitNotDone, answer.error()};
+  }
+  if (answer->status != kControlOk) {
+    return Failure{kExitNotDone, error_of(*answer)};
+  }
+  if (command.json) {
+    return visible_text(boost::json::serialize(answer->json)) + "\n";
+  }
+  try {
+    return status_text(answer->json);
+  } catch (const std::exception& exception) {
+    return Failure{kExitNotDone, std::string("mbgated is of another version than mbgatectl: ") +
+                                     exception.what()};
+  }
+}
 
 std::string time_now() { return time_of_day(std::chrono::system_clock::now()); }
 
@@ -109,8 +135,6 @@ int watch_on(Display& display, const StatusCommand& command) {
   }
 }
 
-}  // namespace
-
 int watch_status(const StatusCommand& command, std::ostream& out, std::ostream& errors) {
   const Interruption interruption;
   if (command.on_terminal && !command.json) {
@@ -121,6 +145,20 @@ int watch_status(const StatusCommand& command, std::ostream& out, std::ostream& 
   }
   Blocks display(interruption, command.json, out, errors);
   return watch_on(display, command);
+}
+
+}  // namespace
+
+int show_status(const StatusCommand& command, std::ostream& out, std::ostream& errors) {
+  if (command.every) {
+    return watch_status(command, out, errors);
+  }
+  const auto status = ask_status(command);
+  if (!status) {
+    return report_failure(status.error(), command.json, out, errors);
+  }
+  out << *status;
+  return kExitDone;
 }
 
 }  // namespace mbgate::ctl

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/request/repeated_read.hpp"
-
 #include <algorithm>
 #include <chrono>
 #include <ostream>
 
 #include "ctl/request/carry_out.hpp"
 #include "ctl/request/connection.hpp"
-#include "ctl/request/interruption.hpp"
-#include "ctl/request/period.hpp"
+#include "ctl/request/repetition.hpp"
 #include "ctl/request/report.hpp"
 
 namespace mbgate::ctl {
@@ -51,8 +48,6 @@ class Reads {
   Connection connection_;
 };
 
-}  // namespace
-
 int repeat_read(const ReadCommand& command, const modbus::Request& request, std::ostream& out,
                 std::ostream& errors) {
   const Interruption interruption;
@@ -72,6 +67,24 @@ int repeat_read(const ReadCommand& command, const modbus::Request& request, std:
       return out ? status : kExitNotDone;
     }
   }
+}
+
+}  // namespace
+
+int read_values(const ReadCommand& command, std::ostream& out, std::ostream& errors) {
+  const auto request = make_request(command);
+  if (!request) {
+    return report_failure({kExitUsage, request.error()}, command.json, out, errors);
+  }
+  if (command.every) {
+    return repeat_read(command, *request, out, errors);
+  }
+  const auto response = Connection(command.target).ask(*request);
+  if (!response) {
+    return report_failure(response.error(), command.json, out, errors);
+  }
+  out << read_report(command, response_values(command, *response));
+  return kExitDone;
 }
 
 }  // namespace mbgate::ctl

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// SIGINT and SIGTERM as a wish to end, for what repeats until then. While an Interruption lives,
-// they are held back until it waits; so nothing that is being printed is cut off.
+// When what repeats starts again, and SIGINT and SIGTERM as a wish that it ends. While an
+// Interruption lives, they are held back until it waits; so nothing that is being printed is cut
+// off.
 #pragma once
 
 #include <array>
 #include <chrono>
 #include <csignal>
+#include <string>
 
 namespace mbgate::ctl {
 
@@ -43,5 +45,14 @@ class Interruption {
   sigset_t held_before_{};
   std::array<struct sigaction, 4> before_{};  ///< in the order of the signals
 };
+
+/// The next start: a whole number of periods after `start`, that of the last one, and not before
+/// `now`. Starts that were missed are not made up for.
+std::chrono::steady_clock::time_point next_start(std::chrono::steady_clock::time_point start,
+                                                 std::chrono::nanoseconds period,
+                                                 std::chrono::steady_clock::time_point now);
+
+/// "14:03:27.250", local time.
+std::string time_of_day(std::chrono::system_clock::time_point time);
 
 }  // namespace mbgate::ctl
