@@ -69,7 +69,8 @@ TraceCommand trace_of(const TraceWords& words) {
 
 void add_status(CLI::App& app, const Choose& choose) {
   auto* status = app.add_subcommand(
-      "status", "Show how a running mbgated, its lines and its drives are: what is not well first.");
+      "status",
+      "Show how a running mbgated, its lines and its drives are: what is not well first.");
   const auto words = std::make_shared<StatusWords>();
   auto* watch = status->add_flag(
       "--watch", words->watch,
@@ -127,8 +128,7 @@ void add_trace(CLI::App& app, const Choose& choose) {
   TraceCommand& command = words->command;
   TraceFilter& filter = command.filter;
   trace->add_option("--bus", filter.bus, "only what goes over this bus")->type_name("NAME");
-  trace->add_option("--device", filter.device, "only what concerns this device")
-      ->type_name("NAME");
+  trace->add_option("--device", filter.device, "only what concerns this device")->type_name("NAME");
   trace->add_option("--client", filter.client, "only requests of this client, by its IP address")
       ->type_name("ADDRESS");
   trace->add_option("--function", words->function, "only requests with this function code")

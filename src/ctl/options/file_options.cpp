@@ -19,7 +19,8 @@ void add_profile(CLI::App& app, const Choose& choose) {
 
 void add_check(CLI::App& app, const Choose& choose) {
   auto* check = app.add_subcommand(
-      "check", "Say what is wrong with a configuration, as mbgated --check does. No port is opened.");
+      "check",
+      "Say what is wrong with a configuration, as mbgated --check does. No port is opened.");
   const auto words = std::make_shared<CheckCommand>();
   check
       ->add_option("file", words->config,

@@ -73,9 +73,9 @@ void add_place(CLI::App& command, PlaceWords& words, const std::vector<std::stri
 // What words mean that CLI11 has let through.
 Place place_of(const PlaceWords& words) {
   Place place;
-  place.table =
-      std::ranges::find(config::kTables, words.table, [](const auto& it) { return it.text; })
-          ->value;
+  place.table = std::ranges::find(config::kTables, words.table, [](const auto& it) {
+                  return it.text;
+                })->value;
   place.order = words.order == "big" ? drive::WordOrder::big : drive::WordOrder::little;
   const bool bits = place.table == Table::coils || place.table == Table::discrete_inputs;
   if (bits && !words.type.empty()) {
@@ -84,8 +84,7 @@ Place place_of(const PlaceWords& words) {
   if (bits) {
     place.type = ValueType::bit;
   } else if (!words.type.empty()) {
-    place.type =
-        std::ranges::find(kTypeWords, std::string_view(words.type), &TypeWord::word)->type;
+    place.type = std::ranges::find(kTypeWords, std::string_view(words.type), &TypeWord::word)->type;
   }
   if (place.type == ValueType::text && place.order != drive::WordOrder::big) {
     throw WrongUsage(
