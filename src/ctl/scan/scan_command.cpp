@@ -11,7 +11,6 @@
 #include "ctl/request/report.hpp"
 #include "ctl/scan/port_scan.hpp"
 #include "ctl/scan/scan.hpp"
-#include "ctl/scan/scan_json.hpp"
 #include "ctl/scan/scan_report.hpp"
 #include "ctl/scan/starting_config.hpp"
 #include "modbus/make_request.hpp"
