@@ -137,7 +137,7 @@ void measure(const Options& options, const std::vector<std::string>& command) {
   }
   if (std::ranges::any_of(
           contests, [](const Contest& contest) { return contest.scenario.load.speaks_tls(); })) {
-    make_certificates(companion("mbgatectl", "."), means.folder);
+    make_certificates(companion("mbgate-cert", "."), means.folder);
   }
   const Times times{to_duration(options.warm_up), to_duration(options.seconds)};
   for (unsigned pair = 0; pair < options.pairs; ++pair) {

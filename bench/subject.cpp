@@ -114,15 +114,15 @@ bool wait_until(const Child& child, Found found) {
 
 }  // namespace
 
-void make_certificates(const std::filesystem::path& mbgatectl,
+void make_certificates(const std::filesystem::path& mbgate_cert,
                        const std::filesystem::path& folder) {
-  const std::string make = "'" + mbgatectl.string() + "' cert ";
+  const std::string make = "'" + mbgate_cert.string() + "' ";
   const std::string in = " --directory '" + folder.string() + "' >/dev/null";
   const std::string command = make + "ca" + in + " && " + make +
                               "server gateway --address 127.0.0.1" + in + " && " + make +
                               "client client --role bench" + in;
   if (std::system(command.c_str()) != 0) {  // NOLINT(cert-env33-c): of names that we were given
-    throw std::runtime_error(mbgatectl.string() + " made no certificates");
+    throw std::runtime_error(mbgate_cert.string() + " made no certificates");
   }
 }
 

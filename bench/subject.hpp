@@ -37,7 +37,8 @@ struct Means {
 
 /// Makes an authority, gateway.crt and gateway.key, client.crt and client.key in the folder. Throws
 /// std::runtime_error.
-void make_certificates(const std::filesystem::path& mbgatectl, const std::filesystem::path& folder);
+void make_certificates(const std::filesystem::path& mbgate_cert,
+                       const std::filesystem::path& folder);
 
 /// A program under measurement, ready for its clients.
 class Subject {

@@ -177,7 +177,7 @@ class Abuse(FaultCase):
         keys = self.folder / "keys"
         keys.mkdir()
         for words in (["ca"], ["server", "gateway", "--address", "127.0.0.1"], ["client", "abuser"], ["client", "worker"]):
-            subprocess.run([program("mbgatectl"), "cert", *words, "--directory", self.folder], check=True,
+            subprocess.run([program("mbgate-cert"), *words, "--directory", self.folder], check=True,
                            stdout=subprocess.DEVNULL)
         (self.folder / "gateway.key").rename(keys / "gateway.key")
         signer = Process(self.folder, "mbgate-signer", "--keys", keys, "--socket", path)

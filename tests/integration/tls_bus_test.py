@@ -50,8 +50,9 @@ class Bus(FrontCase):
         cls.folder = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
         for arguments in (("ca",), ("server", "gateway", "--address", "127.0.0.1"), ("client", "near", "--role", "gw"),
                           ("client", "near-rsa", "--rsa", "2048"), ("server", "other", "--address", "gw.plant"),
-                          ("server", "revoked", "--address", "127.0.0.1"), ("revoke", "revoked.crt")):  # fmt: skip
+                          ("server", "revoked", "--address", "127.0.0.1")):  # fmt: skip
             cls.cert(*arguments)
+        cls.revoke("revoked.crt")
         sign(cls.folder, "expired", -30, -1)
         sign(cls.folder, "late", -30, -1, "near")
         cls.signer = cls.enterClassContext(Signer(cls.folder))

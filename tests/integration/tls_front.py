@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A server over TLS in front of a plain one: Python's ssl, which shares no code of ours with what is tested. And
-certificates that mbgatectl cert would not make."""
+certificates that mbgate-cert would not make."""
 
 import contextlib
 import datetime
@@ -17,14 +17,23 @@ from cryptography.hazmat.primitives import hashes, serialization
 from demo_plant import PATIENCE, program
 
 
+ROLE = x509.ObjectIdentifier("1.3.6.1.4.1.50316.802.1")
+
+
 class FrontCase(unittest.TestCase):
     """Certificates in cls.folder, and fronts of cls.plant with them."""
 
     @classmethod
     def cert(cls, *arguments, folder="."):
         (cls.folder / folder).mkdir(exist_ok=True)
-        subprocess.run([program("mbgatectl"), "cert", *arguments], cwd=cls.folder / folder, check=True, timeout=PATIENCE,
+        subprocess.run([program("mbgate-cert"), *arguments], cwd=cls.folder / folder, check=True, timeout=PATIENCE,
                        stdout=subprocess.DEVNULL)  # fmt: skip
+
+    @classmethod
+    def revoke(cls, name):
+        for what in (("-revoke", name), ("-gencrl", "-out", "ca.crl")):
+            subprocess.run(["openssl", "ca", "-config", "ca.cnf", *what], cwd=cls.folder, check=True, timeout=PATIENCE,
+                           capture_output=True)  # fmt: skip
 
     def front(self, *arguments, **words):
         return self.enterContext(TlsFront(self.folder, self.plant.port, *arguments, **words))
@@ -107,9 +116,9 @@ class TlsFront:
                 other[end].sendall(data)
 
 
-def sign(folder, name, begins, ends, alike="gateway"):
+def sign(folder, name, begins, ends, alike="gateway", role=None):
     """NAME.crt and NAME.key: the key, name and extensions of another certificate, and another validity in days from
-    now."""
+    now. `role`: in DER, instead of the other's."""
     read = (folder / f"{alike}.crt").read_bytes()
     old = x509.load_pem_x509_certificate(read)
     authority = x509.load_pem_x509_certificate((folder / "ca.crt").read_bytes())
@@ -120,6 +129,11 @@ def sign(folder, name, begins, ends, alike="gateway"):
         serial_number=x509.random_serial_number(), not_valid_before=now + datetime.timedelta(days=begins),
         not_valid_after=now + datetime.timedelta(days=ends), extensions=list(old.extensions),
     )  # fmt: skip
+    if role is not None:
+        builder._extensions = [
+            x509.Extension(it.oid, it.critical, x509.UnrecognizedExtension(it.oid, role)) if it.oid == ROLE else it
+            for it in builder._extensions
+        ]
     made = builder.sign(key, hashes.SHA256())
     (folder / f"{name}.crt").write_bytes(made.public_bytes(serialization.Encoding.PEM))
     (folder / f"{name}.key").touch(0o600)

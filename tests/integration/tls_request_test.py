@@ -29,6 +29,7 @@ class Requests(FrontCase):
         sign(cls.folder, "expired", -30, -1)
         sign(cls.folder, "early", 1, 30)
         sign(cls.folder, "late", -30, -1, "hmi")
+        sign(cls.folder, "bad", -1, 30, "hmi", b"\x16\x03eng")  # an IA5String
 
     def ask(self, port, *arguments, name="read", client="hmi", **files):
         files = {"certificate": f"{client}.crt", "key": f"{client}.key", "authorities": "ca.crt", **files}
@@ -106,8 +107,9 @@ class Requests(FrontCase):
 
     def test_that_are_not_allowed_name_the_role(self):
         front = self.front()
-        told = self.refused(front.port, "holding", 0, 1, name="write", client="hmi", *("--unit", 255))
-        self.assertIn('the role in hmi.crt is "eng"', told)
+        for client, role in (("hmi", '"eng"'), ("bad", "unreadable: a gateway answers every request with exception 01")):
+            told = self.refused(front.port, "holding", 0, 1, name="write", client=client, *("--unit", 255))
+            self.assertIn(f"the role in {client}.crt is {role}", told)
 
     def test_need_files(self):
         for files, why in (

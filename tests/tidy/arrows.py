@@ -40,8 +40,8 @@ MODULES = {
 # Folders that see more than the rest of their module: a replay runs the machine itself; a role in a certificate is
 # shown as a gateway reads it.
 FOLDERS = {
-    "ctl/cert": ROUTING | CONFIG | {"ctl"},
     "ctl/replay": GATEWAY | CONFIG | {"ctl"},
+    "ctl/tls": ROUTING | CONFIG | {"ctl"},
 }
 # Single headers beyond a module's arrows: plain data that carries no decision.
 SETTINGS = {"gateway/settings.hpp", "gateway/limits.hpp", "routing/route.hpp", "routing/client_address.hpp",
@@ -85,7 +85,7 @@ LIBRARIES = (
     (r"systemd/", r"src/app/(systemd|journal/journal)\."),
     (r"modbus/modbus\.h|modbus\.h", r"src/ctl/|tests/integration/"),
     (r"prometheus/", r"src/app/metrics/|tests/unit/app/metrics/"),
-    (r"openssl/", r"src/(io/(tls|uplink)|signer|ctl/(cert|tls))/|tests/unit/(io/(tls|uplink)|signer)/|bench/tls\."),
+    (r"openssl/", r"src/(io/(tls|uplink)|signer|ctl/tls)/|tests/unit/(io/(tls|uplink)|signer)/|bench/tls\."),
     (r"n?curses|term\.h", r"src/ctl/control/screen_shell\."),
     (r"CLI/", r"src/(app|ctl|sim)/(command_line|main)\.|src/ctl/options/|bench/main\."),
     (r"gtest/|gmock/", r"tests/"),

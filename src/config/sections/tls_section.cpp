@@ -60,8 +60,7 @@ void read_tls(Draft& draft) {
       draft.document.warning(table.position(),
                              "[[tls]]: without crl a certificate that was lost or stolen is "
                              "accepted until it expires: name a list of revoked certificates "
-                             "(mbgatectl cert ca makes an empty one, mbgatectl cert revoke adds "
-                             "to it)");
+                             "(mbgate-cert ca makes an empty one)");
     }
     draft.settings.tls.push_back(std::move(tls));
   }

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/control/control_command.hpp"
-
 #include <boost/json/array.hpp>
 #include <chrono>
 #include <ostream>
 
 #include "ctl/control/control_shell.hpp"
 #include "ctl/control/event_reader.hpp"
-#include "ctl/control/status_question.hpp"
-#include "ctl/control/watch.hpp"
 #include "ctl/request/carry_out.hpp"
-#include "ctl/request/interruption.hpp"
+#include "ctl/request/repetition.hpp"
+#include "ctl/request/report.hpp"
 #include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {
@@ -27,18 +24,6 @@ int fail(std::ostream& errors, const std::string& why) {
 }
 
 }  // namespace
-
-int show_status(const StatusCommand& command, std::ostream& out, std::ostream& errors) {
-  if (command.every) {
-    return watch_status(command, out, errors);
-  }
-  const auto status = ask_status(command);
-  if (!status) {
-    return report_failure(status.error(), command.json, out, errors);
-  }
-  out << *status;
-  return kExitDone;
-}
 
 int reload(const ReloadCommand& command, std::ostream& out, std::ostream& errors) {
   const auto answer = ask_control(command.socket, "POST", "/api/v1/reload", kReloadLimit);

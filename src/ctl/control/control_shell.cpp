@@ -17,10 +17,6 @@ namespace {
 
 namespace http = boost::beast::http;
 
-std::string not_answered(std::chrono::seconds limit) {
-  return "mbgated has not answered within " + std::to_string(limit.count()) + " s";
-}
-
 http::request<http::empty_body> request_for(const ControlConnection& connection,
                                             const std::string& method, const std::string& target) {
   http::request<http::empty_body> request(http::string_to_verb(method), target, 11);
@@ -40,103 +36,80 @@ Result<ControlAnswer, std::string> parsed_answer(
   return ControlAnswer{response.result_int(), json.get_object()};
 }
 
-/// A request that is sent, and the response that comes, as far as they have got.
-class Exchange {
- public:
-  Exchange(ControlConnection& connection, const std::string& method, const std::string& target)
-      : connection_(connection), request_(request_for(connection, method, target)) {}
-
-  void start() {
-    http::async_write(connection_, request_,
-                      [this](const boost::system::error_code& error, std::size_t /*bytes*/) {
-                        error_ = error;
-                        if (!error) {
-                          read();
-                        }
-                      });
-  }
-
-  [[nodiscard]] const boost::system::error_code& error() const { return error_; }
-  [[nodiscard]] const http::response<http::string_body>& response() const { return response_; }
-
- private:
-  void read() {
-    http::async_read(
-        connection_, buffer_, response_,
-        [this](const boost::system::error_code& error, std::size_t /*bytes*/) { error_ = error; });
-  }
-
-  ControlConnection& connection_;
-  http::request<http::empty_body> request_;
-  boost::beast::flat_buffer buffer_;
-  http::response<http::string_body> response_;
-  boost::system::error_code error_;
-};
-
-/// Runs what was started, to its end or that of the patience.
-void run(boost::asio::io_context& context, const Patience& patience) {
-  while (!context.stopped() && !patience.is_over()) {
-    context.run_until(std::min(patience.end, std::chrono::steady_clock::now() + kLook));
-  }
-}
-
 /// mbgated sends a comment every 15 s at least.
 constexpr std::chrono::seconds kSilenceLimit{45};
 
-/// A connection whose answer is read piece by piece. Each step may take kSilenceLimit; after one
-/// that has failed there must be no other.
-class EndlessAnswer {
+/// A request, and its answer, which may be read piece by piece. After a step that has failed there
+/// must be no other.
+class Exchange {
  public:
-  explicit EndlessAnswer(const std::string& place) : place_(place), connection_(context_) {}
+  /// `limit`: for each step, or for all of them together. `give_up`: as of ask_control().
+  Exchange(const std::string& place, std::chrono::seconds limit, bool for_all,
+           std::function<bool()> give_up = {})
+      : place_(place),
+        limit_(limit),
+        for_all_(for_all),
+        give_up_(std::move(give_up)),
+        patience_{std::chrono::steady_clock::now() + limit, give_up_},
+        connection_(context_) {}
 
   /// Connects, and sends the request. Returns why not, or nothing.
-  std::string ask(const std::string& target) {
-    error_ = connect(connection_, place_, {std::chrono::steady_clock::now() + kSilenceLimit, {}});
-    request_ = request_for(connection_, "GET", target);
+  std::string ask(const std::string& method, const std::string& target) {
+    error_ = connect(connection_, place_, patience_);
+    request_ = request_for(connection_, method, target);
     if (!error_) {
-      do_within_limit([&](auto done) { http::async_write(connection_, request_, done); });
+      do_in_time([&](auto done) { http::async_write(connection_, request_, done); });
     }
     return failure();
   }
 
   template <typename Parser>
   std::string read_header(Parser& parser) {
-    do_within_limit(
-        [&](auto done) { http::async_read_header(connection_, buffer_, parser, done); });
+    do_in_time([&](auto done) { http::async_read_header(connection_, buffer_, parser, done); });
     return failure();
   }
 
   template <typename Parser>
   std::string read(Parser& parser) {
-    do_within_limit([&](auto done) { http::async_read(connection_, buffer_, parser, done); });
+    do_in_time([&](auto done) { http::async_read(connection_, buffer_, parser, done); });
     return failure();
   }
 
   /// What has come is in the body of the parser.
   template <typename Parser>
   boost::system::error_code read_some(Parser& parser) {
-    do_within_limit([&](auto done) { http::async_read_some(connection_, buffer_, parser, done); });
+    do_in_time([&](auto done) { http::async_read_some(connection_, buffer_, parser, done); });
     return error_ == http::error::need_buffer ? boost::system::error_code() : error_;
   }
 
  private:
   template <typename Start>
-  void do_within_limit(Start start) {
+  void do_in_time(Start start) {
     error_ = boost::asio::error::timed_out;
     start(
         [this](const boost::system::error_code& error, std::size_t /*bytes*/) { error_ = error; });
+    if (!for_all_) {
+      patience_.end = std::chrono::steady_clock::now() + limit_;
+    }
     context_.restart();
-    context_.run_for(kSilenceLimit);
+    while (!context_.stopped() && !patience_.is_over()) {
+      const auto look = std::chrono::steady_clock::now() + kLook;
+      context_.run_until(give_up_ ? std::min(patience_.end, look) : patience_.end);
+    }
   }
 
   [[nodiscard]] std::string failure() const {
     if (error_ == boost::asio::error::timed_out) {
-      return not_answered(kSilenceLimit);
+      return "mbgated has not answered within " + std::to_string(limit_.count()) + " s";
     }
     return error_ ? explain(place_, error_) : std::string();
   }
 
   std::string place_;
+  std::chrono::seconds limit_;
+  bool for_all_;
+  std::function<bool()> give_up_;
+  Patience patience_;
   boost::system::error_code error_;
   http::request<http::empty_body> request_;
   boost::beast::flat_buffer buffer_;
@@ -144,7 +117,7 @@ class EndlessAnswer {
   ControlConnection connection_;
 };
 
-std::string follow_body(EndlessAnswer& answer, http::response_parser<http::buffer_body>& parser,
+std::string follow_body(Exchange& answer, http::response_parser<http::buffer_body>& parser,
                         const Interruption& interruption,
                         const std::function<bool(std::string_view)>& take) {
   parser.body_limit(boost::none);  // it has no end
@@ -183,23 +156,13 @@ Result<ControlAnswer, std::string> ask_control(const std::string& place, const s
   if (std::string why = wrong_place(place); !why.empty()) {
     return why;
   }
-  const Patience patience{std::chrono::steady_clock::now() + limit, give_up};
-  boost::asio::io_context context;
-  ControlConnection connection(context);
-  boost::system::error_code error = connect(connection, place, patience);
-  Exchange exchange(connection, method, target);
-  if (!error) {
-    exchange.start();
-    run(context, patience);
-    error = context.stopped() ? exchange.error() : boost::asio::error::timed_out;
+  Exchange exchange(place, limit, true, give_up);
+  http::response_parser<http::string_body> response;
+  std::string failure = exchange.ask(method, target);
+  if (failure.empty()) {
+    failure = exchange.read(response);
   }
-  if (error == boost::asio::error::timed_out) {
-    return not_answered(limit);
-  }
-  if (error) {
-    return explain(place, error);
-  }
-  return parsed_answer(place, exchange.response());
+  return failure.empty() ? parsed_answer(place, response.get()) : failure;
 }
 
 std::string follow_control(const std::string& place, const std::string& target,
@@ -208,10 +171,10 @@ std::string follow_control(const std::string& place, const std::string& target,
   if (std::string why = wrong_place(place); !why.empty()) {
     return why;
   }
-  EndlessAnswer answer(place);
+  Exchange answer(place, kSilenceLimit, false);
   http::response_parser<http::empty_body> head;
   std::string failure = interruption.endable([&] {
-    std::string why = answer.ask(target);
+    std::string why = answer.ask("GET", target);
     return why.empty() ? answer.read_header(head) : why;
   });
   if (!failure.empty()) {

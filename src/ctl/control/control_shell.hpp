@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "ctl/request/interruption.hpp"
+#include "ctl/request/repetition.hpp"
 #include "modbus/result.hpp"
 
 namespace mbgate::ctl {

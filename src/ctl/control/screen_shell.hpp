@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "ctl/request/interruption.hpp"
+#include "ctl/request/repetition.hpp"
 
 namespace mbgate::ctl {
 

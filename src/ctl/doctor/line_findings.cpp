@@ -15,16 +15,9 @@ constexpr std::size_t kEnoughDoubled = 2;
 /// So many damaged answers, and no good one, are no accident.
 constexpr std::size_t kEnoughDamaged = 3;
 
-struct LineTally {
-  std::size_t asked = 0;
-  std::size_t answered = 0;
-  std::size_t echoes = 0;
-  bool other_client = false;
-  bool disturbed = false;
-};
-
-LineTally tally_of_line(const std::vector<UnitTrials>& units) {
-  LineTally line;
+/// Of all units together; only what is asked of a line below.
+Tally tally_of_line(const std::vector<UnitTrials>& units) {
+  Tally line;
   for (const auto& unit : units) {
     const auto tally = tally_of(unit);
     line.asked += tally.asked;
@@ -49,7 +42,7 @@ Finding full_echo_finding(const LinePlan& plan) {
   return finding;
 }
 
-Finding doubled_finding(const UnitTrials& unit, const Tally& tally, const LineTally& line) {
+Finding doubled_finding(const UnitTrials& unit, const Tally& tally, const Tally& line) {
   Finding finding{Judgement::unknown, "addresses",
                   std::to_string(tally.doubled) + " of " + number_of_text(tally.asked, "request") +
                       " to " + unit_text(unit.unit) + " had two whole answers"};

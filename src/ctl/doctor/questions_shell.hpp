@@ -9,7 +9,7 @@
 
 #include "ctl/doctor/idle_line.hpp"
 #include "ctl/doctor/trial.hpp"
-#include "ctl/request/interruption.hpp"
+#include "ctl/request/repetition.hpp"
 #include "ctl/serial/serial_client.hpp"
 
 namespace mbgate::ctl {

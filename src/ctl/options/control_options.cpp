@@ -1,85 +1,149 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/options/control_options.hpp"
+// Subcommands that ask a running mbgated.
+#include <arpa/inet.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
+#include <charconv>
+#include <memory>
 
-#include "ctl/options/server_options.hpp"
+#include "ctl/options/shared_options.hpp"
+#include "modbus/function_code.hpp"
 
 namespace mbgate::ctl {
 namespace {
 
 // A status has every device and client in it: it is not asked for as often as a register may be.
 constexpr std::chrono::milliseconds kShortestPeriodOfStatus{100};
-constexpr unsigned kMostStatuses = 1'000'000'000;
+constexpr unsigned kMost = 1'000'000'000;
+
+struct StatusWords {
+  StatusCommand command;
+  bool watch = false;
+  std::string every = "1s";
+};
+
+struct TraceWords {
+  TraceCommand command;
+  std::string function;
+};
+
+/// "16" or "0x10".
+std::optional<std::uint8_t> function_code(std::string_view text) {
+  const bool is_hex = text.starts_with("0x") || text.starts_with("0X");
+  text.remove_prefix(is_hex ? 2 : 0);
+  std::uint8_t code = 0;
+  const char* const end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, code, is_hex ? 16 : 10);
+  const bool is_code =
+      parsed.ec == std::errc() && parsed.ptr == end && modbus::is_request_function(code);
+  return is_code ? std::optional(code) : std::nullopt;
+}
+
+bool is_ip_address(const std::string& text) {
+  std::array<unsigned char, sizeof(in6_addr)> octets{};
+  return ::inet_pton(AF_INET, text.c_str(), octets.data()) == 1 ||
+         ::inet_pton(AF_INET6, text.c_str(), octets.data()) == 1;
+}
+
+TraceCommand trace_of(const TraceWords& words) {
+  TraceCommand trace = words.command;
+  if (!trace.filter.client.empty() && !is_ip_address(trace.filter.client)) {
+    throw WrongUsage("--client \"" + trace.filter.client +
+                     "\" is not an IP address, like 192.168.10.5 or fd00::5");
+  }
+  if (!words.function.empty()) {
+    trace.filter.function = function_code(words.function);
+    if (!trace.filter.function) {
+      throw WrongUsage("--function \"" + words.function +
+                       "\" is not a function code: 1 to 127, like 3 or 0x10");
+    }
+  }
+  if (trace.pcapng == "-" && trace.json) {
+    throw WrongUsage("--json and --pcapng - both want standard output: name a file for one");
+  }
+  return trace;
+}
 
 }  // namespace
 
-void add_control(CLI::App& command, std::string& socket) {
-  command
-      .add_option("--control", socket,
-                  "the control socket of mbgated, its [http] socket; or, to read, "
-                  "tcp://HOST:PORT, one of its [http] listen")
-      ->type_name("PLACE")
-      ->capture_default_str();
-}
-
-StatusOptions::StatusOptions(CLI::App& app)
-    : status_(app.add_subcommand(
-          "status",
-          "Show how a running mbgated, its lines and its drives are: what is not well first.")) {
-  auto* watch = status_->add_flag(
-      "--watch", watch_,
+void add_status(CLI::App& app, const Choose& choose) {
+  auto* status = app.add_subcommand(
+      "status",
+      "Show how a running mbgated, its lines and its drives are: what is not well first.");
+  const auto words = std::make_shared<StatusWords>();
+  auto* watch = status->add_flag(
+      "--watch", words->watch,
       "show it again and again, on a terminal in place, until q is typed or it is interrupted");
-  status_->add_option("--every", every_, "with --watch: how often, from start to start")
+  status->add_option("--every", words->every, "with --watch: how often, from start to start")
       ->needs(watch)
       ->capture_default_str();
-  status_->add_option("--times", words_.times, "with --watch: end after so many times")
+  status->add_option("--times", words->command.times, "with --watch: end after so many times")
       ->needs(watch)
-      ->check(CLI::Range(1U, kMostStatuses));
-  status_->add_flag("--json", words_.json, "for programs: one JSON object a line");
-  add_control(*status_, words_.socket);
-}
-
-bool StatusOptions::given() const { return status_->parsed(); }
-
-Result<Command, std::string> StatusOptions::command() const {
-  StatusCommand status = words_;
-  if (watch_) {
-    const auto every = parse_time(every_, kShortestPeriodOfStatus);
-    if (!every) {
-      return every.error();
+      ->check(CLI::Range(1U, kMost));
+  status->add_flag("--json", words->command.json, "for programs: one JSON object a line");
+  add_control(*status, words->command.socket);
+  status->callback([words, choose] {
+    if (words->watch) {
+      words->command.every = parse_time(words->every, kShortestPeriodOfStatus);
     }
-    status.every = *every;
-  }
-  return Command(status);
+    choose(words->command);
+  });
 }
 
-ReloadOptions::ReloadOptions(CLI::App& app)
-    : reload_(app.add_subcommand(
-          "reload",
-          "Have a running mbgated read its configuration again, and say what has changed or why "
-          "it was refused.")) {
-  add_control(*reload_, words_.socket);
+void add_reload(CLI::App& app, const Choose& choose) {
+  auto* reload = app.add_subcommand(
+      "reload",
+      "Have a running mbgated read its configuration again, and say what has changed or why it was "
+      "refused.");
+  const auto words = std::make_shared<ReloadCommand>();
+  add_control(*reload, words->socket);
+  reload->callback([words, choose] { choose(*words); });
 }
 
-bool ReloadOptions::given() const { return reload_->parsed(); }
-
-ClearCountersOptions::ClearCountersOptions(CLI::App& app)
-    : clear_(app.add_subcommand(
-          "clear-counters",
-          "Have all counters of a running mbgated, of lines, drives and requests, begin anew.")) {
-  add_control(*clear_, words_.socket);
+void add_clear_counters(CLI::App& app, const Choose& choose) {
+  auto* clear = app.add_subcommand(
+      "clear-counters",
+      "Have all counters of a running mbgated, of lines, drives and requests, begin anew.");
+  const auto words = std::make_shared<ClearCountersCommand>();
+  add_control(*clear, words->socket);
+  clear->callback([words, choose] { choose(*words); });
 }
 
-bool ClearCountersOptions::given() const { return clear_->parsed(); }
-
-EventsOptions::EventsOptions(CLI::App& app)
-    : events_(app.add_subcommand(
-          "events", "Print what a running mbgated writes to the journal, as it is written.")) {
-  events_->add_flag("--json", words_.json, "for programs: one JSON object a line");
-  add_control(*events_, words_.socket);
+void add_events(CLI::App& app, const Choose& choose) {
+  auto* events = app.add_subcommand(
+      "events", "Print what a running mbgated writes to the journal, as it is written.");
+  const auto words = std::make_shared<EventsCommand>();
+  events->add_flag("--json", words->json, "for programs: one JSON object a line");
+  add_control(*events, words->socket);
+  events->callback([words, choose] { choose(*words); });
 }
 
-bool EventsOptions::given() const { return events_->parsed(); }
+void add_trace(CLI::App& app, const Choose& choose) {
+  auto* trace = app.add_subcommand(
+      "trace",
+      "Print what goes through a running mbgated: each request as it came, what went on the wire "
+      "for it, what was heard, what the client got.");
+  const auto words = std::make_shared<TraceWords>();
+  TraceCommand& command = words->command;
+  TraceFilter& filter = command.filter;
+  trace->add_option("--bus", filter.bus, "only what goes over this bus")->type_name("NAME");
+  trace->add_option("--device", filter.device, "only what concerns this device")->type_name("NAME");
+  trace->add_option("--client", filter.client, "only requests of this client, by its IP address")
+      ->type_name("ADDRESS");
+  trace->add_option("--function", words->function, "only requests with this function code")
+      ->type_name("N");
+  trace->add_flag("--failed", filter.only_failed, "only what failed");
+  trace->add_flag("--json", command.json, "for programs: one JSON object a line");
+  auto* pcapng = trace
+                     ->add_option("--pcapng", command.pcapng,
+                                  "write a capture for Wireshark too; - is standard output")
+                     ->type_name("FILE");
+  trace->add_flag("--quiet", command.quiet, "with --pcapng: print nothing")->needs(pcapng);
+  trace->add_option("--times", command.times, "end after so many records")
+      ->check(CLI::Range(1U, kMost));
+  add_control(*trace, command.socket);
+  trace->callback([words, choose] { choose(trace_of(*words)); });
+}
 
 }  // namespace mbgate::ctl

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/options/request_options.hpp"
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <memory>
 
 #include "config/toml/words.hpp"
+#include "ctl/options/shared_options.hpp"
 #include "ctl/request/value_text.hpp"
 
 namespace mbgate::ctl {
@@ -12,6 +12,29 @@ namespace {
 
 constexpr std::chrono::milliseconds kShortestPeriod{10};
 constexpr unsigned kMostTimes = 1'000'000'000;
+
+/// What read and write both have: where the values are, of what type, and the server.
+struct PlaceWords {
+  std::string table;
+  std::string address;
+  std::string type;
+  std::string order = "big";
+  unsigned unit = 1;
+  ServerWords server;
+};
+
+struct ReadWords {
+  PlaceWords where;
+  ReadCommand command;
+  std::optional<std::string> every;
+};
+
+struct WriteWords {
+  PlaceWords where;
+  WriteCommand command;
+  std::string first;
+  std::vector<std::string> more;
+};
 
 std::vector<std::string> type_words() {
   std::vector<std::string> words;
@@ -22,149 +45,112 @@ std::vector<std::string> type_words() {
   return words;
 }
 
-// What a word means that CLI11 has let through.
-Table table_of(std::string_view word) {
-  return std::ranges::find(config::kTables, word, [](const auto& it) { return it.text; })->value;
-}
-
-ValueType type_of(std::string_view word) {
-  return std::ranges::find(kTypeWords, word, &TypeWord::word)->type;
-}
-
-}  // namespace
-
-void PlaceOptions::add_to(CLI::App& command, const std::vector<std::string>& tables) {
+/// `tables`: the words for those that may be named.
+void add_place(CLI::App& command, PlaceWords& words, const std::vector<std::string>& tables) {
   std::string list;
   for (const auto& table : tables) {
     list.append(list.empty() ? "" : &table == &tables.back() ? " or " : ", ").append(table);
   }
-  command.add_option("table", table_, list)->required()->check(CLI::IsMember(tables));
-  command.add_option("address", address_, "protocol address, counted from 0: 30 or 0x1E")
+  command.add_option("table", words.table, list)->required()->check(CLI::IsMember(tables));
+  command.add_option("address", words.address, "protocol address, counted from 0: 30 or 0x1E")
       ->required();
   command
-      .add_option("--type", type_,
+      .add_option("--type", words.type,
                   "of registers: u16 (default), i16, u32, i32, f32, u64, i64, f64 or string")
       ->check(CLI::IsMember(type_words()));
   command
-      .add_option("--order", order_,
+      .add_option("--order", words.order,
                   "of the registers of a value of 32 or 64 bits: big (high word first) or little")
       ->check(CLI::IsMember(std::vector<std::string>{"big", "little"}))
       ->capture_default_str();
-  command.add_option("--unit", unit_, "unit identifier")
+  command.add_option("--unit", words.unit, "unit identifier")
       ->check(CLI::Range(0, 255))
       ->capture_default_str();
-  server_.add_to(command);
-  server_.add_tls_to(command);
+  add_server(command, words.server);
+  add_tls(command, words.server);
 }
 
-Result<Place, std::string> PlaceOptions::place() const {
+// What words mean that CLI11 has let through.
+Place place_of(const PlaceWords& words) {
   Place place;
-  place.table = table_of(table_);
-  place.order = order_ == "big" ? drive::WordOrder::big : drive::WordOrder::little;
+  place.table = std::ranges::find(config::kTables, words.table, [](const auto& it) {
+                  return it.text;
+                })->value;
+  place.order = words.order == "big" ? drive::WordOrder::big : drive::WordOrder::little;
   const bool bits = place.table == Table::coils || place.table == Table::discrete_inputs;
-  if (bits && !type_.empty()) {
-    return "--type is for registers: " + table_ + " hold bits";
+  if (bits && !words.type.empty()) {
+    throw WrongUsage("--type is for registers: " + words.table + " hold bits");
   }
   if (bits) {
     place.type = ValueType::bit;
-  } else if (!type_.empty()) {
-    place.type = type_of(type_);
+  } else if (!words.type.empty()) {
+    place.type = std::ranges::find(kTypeWords, std::string_view(words.type), &TypeWord::word)->type;
   }
   if (place.type == ValueType::text && place.order != drive::WordOrder::big) {
-    return "--order is for numbers: the registers of a string are always in the order of its text";
+    throw WrongUsage(
+        "--order is for numbers: the registers of a string are always in the order of its text");
   }
-  const auto address = parse_address(address_);
-  if (!address) {
-    return address.error();
-  }
-  place.address = *address;
+  place.address = expect(parse_address(words.address));
   return place;
 }
 
-Result<Target, std::string> PlaceOptions::target() const {
-  auto target = server_.target();
-  if (target) {
-    target->unit = static_cast<std::uint8_t>(unit_);
-  }
+Target target_of(const PlaceWords& words) {
+  auto target = target_of(words.server);
+  target.unit = static_cast<std::uint8_t>(words.unit);
   return target;
 }
 
-ReadOptions::ReadOptions(CLI::App& app)
-    : read_(app.add_subcommand("read", "Read coils, discrete inputs or registers.")) {
-  where_.add_to(*read_, {"coils", "discrete", "holding", "input"});
-  read_->add_option("--count", words_.count, "how many values; of a string, how many registers")
+}  // namespace
+
+void add_read(CLI::App& app, const Choose& choose) {
+  auto* read = app.add_subcommand("read", "Read coils, discrete inputs or registers.");
+  const auto words = std::make_shared<ReadWords>();
+  ReadCommand& command = words->command;
+  add_place(*read, words->where, {"coils", "discrete", "holding", "input"});
+  read->add_option("--count", command.count, "how many values; of a string, how many registers")
       ->capture_default_str();
-  auto* every = read_->add_option(
-      "--every", every_, "read again and again, from start to start: 500ms; until interrupted");
-  read_->add_option("--times", words_.times, "with --every: how often")
+  auto* every =
+      read->add_option("--every", words->every,
+                       "read again and again, from start to start: 500ms; until interrupted");
+  read->add_option("--times", command.times, "with --every: how often")
       ->needs(every)
       ->check(CLI::Range(1U, kMostTimes));
-  read_->add_flag("--quiet", words_.quiet, "print the plain values only, one a line");
-  read_->add_flag("--json", words_.json, "for programs: one JSON object a read");
-}
-
-bool ReadOptions::given() const { return read_->parsed(); }
-
-Result<Command, std::string> ReadOptions::command() const {
-  const auto target = where_.target();
-  if (!target) {
-    return target.error();
-  }
-  const auto place = where_.place();
-  if (!place) {
-    return place.error();
-  }
-  ReadCommand read = words_;
-  read.target = *target;
-  read.place = *place;
-  if (every_) {
-    const auto every = parse_time(*every_, kShortestPeriod);
-    if (!every) {
-      return every.error();
+  read->add_flag("--quiet", command.quiet, "print the plain values only, one a line");
+  read->add_flag("--json", command.json, "for programs: one JSON object a read");
+  read->callback([words, choose] {
+    words->command.target = target_of(words->where);
+    words->command.place = place_of(words->where);
+    if (words->every) {
+      words->command.every = parse_time(*words->every, kShortestPeriod);
     }
-    read.every = *every;
-  }
-  return Command(read);
+    choose(words->command);
+  });
 }
 
-WriteOptions::WriteOptions(CLI::App& app)
-    : write_(app.add_subcommand("write", "Write coils or holding registers.")) {
-  where_.add_to(*write_, {"coils", "holding"});
+void add_write(CLI::App& app, const Choose& choose) {
+  auto* write = app.add_subcommand("write", "Write coils or holding registers.");
+  const auto words = std::make_shared<WriteWords>();
+  WriteCommand& command = words->command;
+  add_place(*write, words->where, {"coils", "holding"});
   // On its own: a list of values would lose the brackets of the string "[off]".
-  write_
-      ->add_option("value", first_value_,
+  write
+      ->add_option("value", words->first,
                    "decimal, or hex as the bits that go out (0xFFFE is -2 as i16); coils: 0, 1, "
                    "off or on; a string: its text")
       ->required();
-  write_->add_option("more", more_values_, "values for the addresses that follow");
-  write_->add_flag("--multiple", words_.multiple,
-                   "use functions 15 and 16 even for one coil or register");
-  write_->add_flag("--quiet", words_.quiet, "print nothing on success");
-  write_->add_flag("--json", words_.json, "for programs: one JSON object");
-}
-
-bool WriteOptions::given() const { return write_->parsed(); }
-
-Result<Command, std::string> WriteOptions::command() const {
-  const auto target = where_.target();
-  if (!target) {
-    return target.error();
-  }
-  const auto place = where_.place();
-  if (!place) {
-    return place.error();
-  }
-  std::vector<std::string> words{first_value_};
-  words.insert(words.end(), more_values_.begin(), more_values_.end());
-  auto values = parse_values(place->type, words);
-  if (!values) {
-    return values.error();
-  }
-  WriteCommand write = words_;
-  write.target = *target;
-  write.place = *place;
-  write.values = *std::move(values);
-  return Command(write);
+  write->add_option("more", words->more, "values for the addresses that follow");
+  write->add_flag("--multiple", command.multiple,
+                  "use functions 15 and 16 even for one coil or register");
+  write->add_flag("--quiet", command.quiet, "print nothing on success");
+  write->add_flag("--json", command.json, "for programs: one JSON object");
+  write->callback([words, choose] {
+    words->command.target = target_of(words->where);
+    words->command.place = place_of(words->where);
+    std::vector<std::string> values{words->first};
+    values.insert(values.end(), words->more.begin(), words->more.end());
+    words->command.values = expect(parse_values(words->command.place.type, values));
+    choose(words->command);
+  });
 }
 
 }  // namespace mbgate::ctl

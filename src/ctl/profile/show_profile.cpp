@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/profile/show_profile.hpp"
-
 #include <ostream>
 
 #include "config/profiles/profile_library.hpp"

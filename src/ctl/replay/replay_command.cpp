@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/replay/replay_command.hpp"
-
 #include <cerrno>
 #include <fstream>
 #include <ostream>

@@ -4,17 +4,10 @@
 #include <ostream>
 #include <string_view>
 
-#include "ctl/cert/cert_command.hpp"
-#include "ctl/check_config.hpp"
-#include "ctl/control/control_command.hpp"
-#include "ctl/doctor/doctor_command.hpp"
-#include "ctl/profile/show_profile.hpp"
-#include "ctl/replay/replay_command.hpp"
+#include "config/check_summary.hpp"
+#include "config/load.hpp"
 #include "ctl/request/connection.hpp"
-#include "ctl/request/repeated_read.hpp"
 #include "ctl/request/report.hpp"
-#include "ctl/scan/scan_command.hpp"
-#include "ctl/trace/trace_command.hpp"
 #include "modbus/exception_code.hpp"
 
 namespace mbgate::ctl {
@@ -39,23 +32,33 @@ std::string_view meaning(std::uint8_t code) {
   }
 }
 
-int carry_out_one(const ReadCommand& command, std::ostream& out, std::ostream& errors) {
-  const auto request = make_request(command);
-  if (!request) {
-    return report_failure({kExitUsage, request.error()}, command.json, out, errors);
-  }
-  if (command.every) {
-    return repeat_read(command, *request, out, errors);
-  }
-  const auto response = Connection(command.target).ask(*request);
-  if (!response) {
-    return report_failure(response.error(), command.json, out, errors);
-  }
-  out << read_report(command, response_values(command, *response));
-  return kExitDone;
+template <typename... Functions>
+struct Overloaded : Functions... {
+  using Functions::operator()...;
+};
+
+}  // namespace
+
+int carry_out(const Command& command, std::ostream& out, std::ostream& errors) {
+  return std::visit(
+      Overloaded{
+          [&](const ReadCommand& it) { return read_values(it, out, errors); },
+          [&](const WriteCommand& it) { return write_values(it, out, errors); },
+          [&](const ProfileCommand& it) { return show_profile(it, out, errors); },
+          [&](const ScanCommand& it) { return scan(it, out, errors); },
+          [&](const CheckCommand& it) { return check_config(it, out, errors); },
+          [&](const DoctorCommand& it) { return examine_line(it, out, errors); },
+          [&](const ReplayCommand& it) { return replay_recording(it, out, errors); },
+          [&](const StatusCommand& it) { return show_status(it, out, errors); },
+          [&](const ReloadCommand& it) { return reload(it, out, errors); },
+          [&](const ClearCountersCommand& it) { return clear_counters(it, out, errors); },
+          [&](const EventsCommand& it) { return follow_events(it, out, errors); },
+          [&](const TraceCommand& it) { return follow_trace(it, out, errors); },
+      },
+      command);
 }
 
-int carry_out_one(const WriteCommand& command, std::ostream& out, std::ostream& errors) {
+int write_values(const WriteCommand& command, std::ostream& out, std::ostream& errors) {
   const auto request = make_request(command);
   if (!request) {
     return report_failure({kExitUsage, request.error()}, command.json, out, errors);
@@ -68,54 +71,14 @@ int carry_out_one(const WriteCommand& command, std::ostream& out, std::ostream& 
   return kExitDone;
 }
 
-int carry_out_one(const ProfileCommand& command, std::ostream& out, std::ostream& errors) {
-  return show_profile(command, out, errors);
-}
-
-int carry_out_one(const ScanCommand& command, std::ostream& out, std::ostream& errors) {
-  return carry_out_scan(command, out, errors);
-}
-
-int carry_out_one(const CheckCommand& command, std::ostream& out, std::ostream& errors) {
-  return check_config(command, out, errors);
-}
-
-int carry_out_one(const ReplayCommand& command, std::ostream& out, std::ostream& errors) {
-  return replay_recording(command, out, errors);
-}
-
-int carry_out_one(const DoctorCommand& command, std::ostream& out, std::ostream& errors) {
-  return carry_out_doctor(command, out, errors);
-}
-
-int carry_out_one(const StatusCommand& command, std::ostream& out, std::ostream& errors) {
-  return show_status(command, out, errors);
-}
-
-int carry_out_one(const ReloadCommand& command, std::ostream& out, std::ostream& errors) {
-  return reload(command, out, errors);
-}
-
-int carry_out_one(const ClearCountersCommand& command, std::ostream& out, std::ostream& errors) {
-  return clear_counters(command, out, errors);
-}
-
-int carry_out_one(const EventsCommand& command, std::ostream& out, std::ostream& errors) {
-  return follow_events(command, out, errors);
-}
-
-int carry_out_one(const TraceCommand& command, std::ostream& out, std::ostream& errors) {
-  return follow_trace(command, out, errors);
-}
-
-int carry_out_one(const CertCommand& command, std::ostream& out, std::ostream& errors) {
-  return carry_out_cert(command, out, errors);
-}
-
-}  // namespace
-
-int carry_out(const Command& command, std::ostream& out, std::ostream& errors) {
-  return std::visit([&](const auto& one) { return carry_out_one(one, out, errors); }, command);
+int check_config(const CheckCommand& command, std::ostream& out, std::ostream& errors) {
+  const auto loaded = config::load_settings(command.config, {.folder = command.folder});
+  errors << config::render(loaded.diagnostics) << std::flush;
+  if (!loaded.settings) {
+    return kExitConfiguration;
+  }
+  out << config::check_summary(*loaded.settings) << '\n';
+  return kExitDone;
 }
 
 std::string explain_exception(std::uint8_t code, bool is_write) {

@@ -10,10 +10,8 @@
 #include <variant>
 #include <vector>
 
-#include "ctl/cert/cert_request.hpp"
 #include "ctl/request/value.hpp"
 #include "ctl/serial/line_mode.hpp"
-#include "ctl/tls/tls_identity.hpp"
 #include "modbus/pdu.hpp"
 #include "modbus/request.hpp"
 #include "modbus/result.hpp"
@@ -21,6 +19,14 @@
 namespace mbgate::ctl {
 
 using modbus::Table;
+
+/// Who we are to a server over TLS, and whom we take it for.
+struct TlsIdentity {
+  std::filesystem::path certificate;  ///< ours, in PEM, with those between it and its authority
+  std::filesystem::path key;
+  std::filesystem::path authorities;  ///< who may have signed the server's certificate
+  std::string server_name;            ///< that it is for; empty: the host that is connected to
+};
 
 /// A Modbus TCP server and a unit identifier.
 struct Target {
@@ -166,7 +172,7 @@ struct TraceCommand {
 
 using Command = std::variant<ReadCommand, WriteCommand, ProfileCommand, ScanCommand, CheckCommand,
                              DoctorCommand, ReplayCommand, StatusCommand, ReloadCommand,
-                             ClearCountersCommand, EventsCommand, TraceCommand, CertCommand>;
+                             ClearCountersCommand, EventsCommand, TraceCommand>;
 
 /// The request for the command: 01-04; 05 and 06 for one coil or register; else 15 and 16, so that
 /// the registers of a value are never written one by one. The error is a full sentence.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/request/connection.hpp"
 
-#include "ctl/cert/cert_text.hpp"
 #include "ctl/request/carry_out.hpp"
+#include "ctl/tls/certificate_role.hpp"
 #include "modbus/exception_code.hpp"
 
 namespace mbgate::ctl {

@@ -8,8 +8,7 @@
 #include <system_error>
 #include <utility>
 
-#include "ctl/request/interruption.hpp"
-#include "ctl/scan/scan_command.hpp"
+#include "ctl/request/repetition.hpp"
 #include "ctl/scan/sweep_text.hpp"
 #include "ctl/serial/serial_client.hpp"
 #include "ctl/serial/serial_port.hpp"

@@ -97,6 +97,16 @@ bool add_range(std::string_view text, std::set<std::uint8_t>& units) {
   return true;
 }
 
+AnswerKind kind_of_exception(std::uint8_t code) {
+  switch (static_cast<modbus::ExceptionCode>(code)) {
+    case modbus::ExceptionCode::acknowledge:
+    case modbus::ExceptionCode::server_device_busy: return AnswerKind::busy;
+    case modbus::ExceptionCode::gateway_path_unavailable: return AnswerKind::no_way;
+    case modbus::ExceptionCode::gateway_target_failed_to_respond: return AnswerKind::silence;
+    default: return AnswerKind::exception;
+  }
+}
+
 }  // namespace
 
 ScanResult scan_units(const std::vector<std::uint8_t>& units, const Catalogue& catalogue,
@@ -124,6 +134,25 @@ Result<std::vector<std::uint8_t>, std::string> parse_units(std::string_view text
     }
     rest.remove_prefix(comma + 1);
   }
+}
+
+Answer answer_of(const modbus::TableRange& read, const modbus::Pdu& response) {
+  Answer answer;
+  if (response.is_exception()) {
+    answer.exception = response.bytes()[1];
+    answer.kind = kind_of_exception(answer.exception);
+    return answer;
+  }
+  answer.kind = AnswerKind::data;
+  const bool bits = read.table == Table::coils || read.table == Table::discrete_inputs;
+  ReadCommand command;
+  command.place = {read.table, read.first, bits ? ValueType::bit : ValueType::u16,
+                   drive::WordOrder::big};
+  command.count = read.count;
+  for (const auto value : response_values(command, response)) {
+    answer.registers.push_back(static_cast<std::uint16_t>(value));
+  }
+  return answer;
 }
 
 }  // namespace mbgate::ctl

@@ -36,6 +36,9 @@ using Progress = std::function<void(std::uint8_t unit, std::size_t found)>;
 ScanResult scan_units(const std::vector<std::uint8_t>& units, const Catalogue& catalogue,
                       const AskUnit& ask, const Progress& progress);
 
+/// The answer of the device or of the gateway, as the scan classifies it.
+Answer answer_of(const modbus::TableRange& read, const modbus::Pdu& response);
+
 /// "1-32", "1,5,17-20": units 1 to 247. The result is in ascending order, each unit once. The error
 /// is a full sentence.
 Result<std::vector<std::uint8_t>, std::string> parse_units(std::string_view text);

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/scan/scan_command.hpp"
-
 #include <cerrno>
 #include <cstdio>
 #include <memory>
@@ -12,10 +10,9 @@
 #include "ctl/request/modbus_client.hpp"
 #include "ctl/request/report.hpp"
 #include "ctl/scan/port_scan.hpp"
-#include "ctl/scan/scan_json.hpp"
+#include "ctl/scan/scan.hpp"
 #include "ctl/scan/scan_report.hpp"
 #include "ctl/scan/starting_config.hpp"
-#include "modbus/exception_code.hpp"
 #include "modbus/make_request.hpp"
 
 namespace mbgate::ctl {
@@ -54,16 +51,6 @@ class UnitAsker {
   Target target_;
   std::optional<ModbusClient> client_;
 };
-
-AnswerKind kind_of_exception(std::uint8_t code) {
-  switch (static_cast<modbus::ExceptionCode>(code)) {
-    case modbus::ExceptionCode::acknowledge:
-    case modbus::ExceptionCode::server_device_busy: return AnswerKind::busy;
-    case modbus::ExceptionCode::gateway_path_unavailable: return AnswerKind::no_way;
-    case modbus::ExceptionCode::gateway_target_failed_to_respond: return AnswerKind::silence;
-    default: return AnswerKind::exception;
-  }
-}
 
 std::vector<const config::ProfileFile*> load_all(config::ProfileLibrary& library,
                                                  std::ostream& errors) {
@@ -184,26 +171,7 @@ ScanResult scan_through_gateway(const ScanCommand& command, const Catalogue& cat
 
 }  // namespace
 
-Answer answer_of(const TableRange& read, const modbus::Pdu& response) {
-  Answer answer;
-  if (response.is_exception()) {
-    answer.exception = response.bytes()[1];
-    answer.kind = kind_of_exception(answer.exception);
-    return answer;
-  }
-  answer.kind = AnswerKind::data;
-  const bool bits = read.table == Table::coils || read.table == Table::discrete_inputs;
-  ReadCommand command;
-  command.place = {read.table, read.first, bits ? ValueType::bit : ValueType::u16,
-                   drive::WordOrder::big};
-  command.count = read.count;
-  for (const auto value : response_values(command, response)) {
-    answer.registers.push_back(static_cast<std::uint16_t>(value));
-  }
-  return answer;
-}
-
-int carry_out_scan(const ScanCommand& command, std::ostream& out, std::ostream& errors) {
+int scan(const ScanCommand& command, std::ostream& out, std::ostream& errors) {
   std::error_code ignored;
   if (command.config && std::filesystem::exists(*command.config, ignored)) {
     return report_failure({kExitUsage, command.config->string() + " is there already"},

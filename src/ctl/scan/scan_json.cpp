@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/scan/scan_json.hpp"
-
 #include <boost/json.hpp>
 
 #include "config/toml/words.hpp"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The result of a scan as text.
+// The result of a scan as text, and as JSON.
 #pragma once
 
+#include <optional>
 #include <string>
 
-#include "ctl/scan/scan.hpp"
-#include "ctl/scan/starting_config.hpp"
+#include "ctl/scan/port_scan.hpp"
 
 namespace mbgate::ctl {
 
@@ -22,5 +22,13 @@ std::string likely_text(const Identification& identification);
 /// True if the user must state the word order: the drive can be set either way, and reading does
 /// not show how it is set.
 bool word_order_unknown(const Identification& identification);
+
+/// One JSON object: "units" (what scan_table() says of each), "busy" (units that were not scanned),
+/// "configuration" (null if no unit was found), and "error" if there is one.
+std::string scan_json(const ScanResult& result, const std::optional<std::string>& configuration,
+                      const std::optional<std::string>& error);
+/// The same of a serial port; also "line" (its mode; null if no unit answered) and "notes".
+std::string scan_json(const PortScan& scan, const std::optional<std::string>& configuration,
+                      const std::optional<std::string>& error);
 
 }  // namespace mbgate::ctl

@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <string>
 
+#include "ctl/request/command.hpp"
 #include "ctl/tls/descriptor.hpp"
 #include "ctl/tls/openssl.hpp"
-#include "ctl/tls/tls_identity.hpp"
 #include "modbus/result.hpp"
 
 namespace mbgate::ctl {

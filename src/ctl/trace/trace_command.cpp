@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/trace/trace_command.hpp"
-
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -9,7 +7,7 @@
 #include "ctl/control/control_shell.hpp"
 #include "ctl/control/event_reader.hpp"
 #include "ctl/request/carry_out.hpp"
-#include "ctl/request/interruption.hpp"
+#include "ctl/request/repetition.hpp"
 #include "ctl/request/report.hpp"
 #include "ctl/trace/trace_printer.hpp"
 #include "ctl/trace/trace_query.hpp"

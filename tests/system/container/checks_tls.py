@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Modbus/TCP Security as the package has it: certificates by mbgatectl, the key with the signer alone, one rule for a role."""
+"""Modbus/TCP Security as the package has it: certificates by mbgate-cert, the key with the signer alone, one rule for a role."""
 
 from plant import AXIS, BASE, REGISTER
 
@@ -30,10 +30,10 @@ action = "permit"
 
 def make_certificates(container):
     container.must("mkdir", "-p", FOLDER)
-    container.must("mbgatectl", "cert", "ca", "--directory", FOLDER)
-    container.must("mbgatectl", "cert", "server", "--directory", FOLDER, "gateway", "--address", "127.0.0.1")
-    container.must("mbgatectl", "cert", "client", "--directory", FOLDER, "panel", "--role", "Operator")
-    container.must("mbgatectl", "cert", "client", "--directory", FOLDER, "guest")
+    container.must("mbgate-cert", "ca", "--directory", FOLDER)
+    container.must("mbgate-cert", "server", "--directory", FOLDER, "gateway", "--address", "127.0.0.1")
+    container.must("mbgate-cert", "client", "--directory", FOLDER, "panel", "--role", "Operator")
+    container.must("mbgate-cert", "client", "--directory", FOLDER, "guest")
     for name in ("gateway.crt", "ca.crt", "ca.crl"):
         container.must("install", "-m", "644", f"{FOLDER}/{name}", "/etc/mbgate/certs/")
     container.must("install", "-o", "root", "-g", "mbgate-tls", "-m", "640", f"{FOLDER}/gateway.key", "/etc/mbgate/tls/")

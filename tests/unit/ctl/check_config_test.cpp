@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/check_config.hpp"
-
 #include <gtest/gtest.h>
 
 #include <sstream>

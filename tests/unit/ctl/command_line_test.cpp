@@ -58,7 +58,7 @@ TEST(CommandLine, TlsHasAPortOfItsOwnAndNeedsFiles) {
   EXPECT_FALSE(command<ReadCommand>("read holding 0").target.tls.has_value());
   EXPECT_EQ(complaint("read holding 0 --tls --key a.key"),
             "mbgatectl: --tls needs --certificate, --key and --authorities: the server is to know "
-            "who asks, and so are we who answers (mbgatectl cert makes such files)");
+            "who asks, and so are we who answers (mbgate-cert makes such files)");
   EXPECT_EQ(complaint("read holding 0 --key a.key"), "mbgatectl: --key requires --tls");
 }
 

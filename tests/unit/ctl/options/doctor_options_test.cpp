@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/options/doctor_options.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

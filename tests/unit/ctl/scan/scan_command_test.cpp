@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/scan/scan_command.hpp"
-
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,6 +6,8 @@
 #include <unistd.h>
 
 #include <sstream>
+
+#include "ctl/scan/scan.hpp"
 
 namespace mbgate::ctl::scan_command_test {
 namespace {
@@ -77,7 +77,7 @@ Outcome carry_out(ScanCommand command, const std::filesystem::path& profiles) {
   command.folder = profiles;
   std::ostringstream out;
   std::ostringstream errors;
-  const int status = carry_out_scan(command, out, errors);
+  const int status = scan(command, out, errors);
   auto text = errors.str();
   const auto number = std::to_string(port.number);
   if (const auto at = text.find(number); at != std::string::npos) {

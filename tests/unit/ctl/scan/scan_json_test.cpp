@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/scan/scan_json.hpp"
-
 #include <gtest/gtest.h>
 
 #include <boost/json.hpp>
 
+#include "ctl/scan/scan_report.hpp"
 #include "found_units.hpp"
 
 namespace mbgate::ctl {

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/options/shared_options.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "config/toml/duration_text.hpp"
+
+namespace mbgate::ctl {
+namespace {
+
+constexpr std::uint16_t kTlsPort = 802;  // registered for Modbus/TCP Security
+
+}  // namespace
+
+std::chrono::nanoseconds parse_time(const std::string& text, std::chrono::milliseconds least) {
+  const auto time = config::parse_duration(text);
+  if (!time || *time < least) {
+    throw WrongUsage("\"" + text + "\" is not a time of at least " + config::to_text(least) +
+                     ", like 500ms or 5s");
+  }
+  return *time;
+}
+
+void add_server(CLI::App& command, ServerWords& words) {
+  command.add_option("--host", words.target.host, "name or address of the gateway")
+      ->capture_default_str();
+  command.add_option("--port", words.port, "TCP port")
+      ->check(CLI::Range(1, 65535))
+      ->default_str(std::to_string(words.target.port));
+  command.add_option("--timeout", words.timeout, "for the connection and for the answer")
+      ->capture_default_str();
+}
+
+void add_tls(CLI::App& command, ServerWords& words) {
+  auto* tls =
+      command.add_flag("--tls", words.tls, "over TLS (Modbus/TCP Security), port 802 by default");
+  TlsIdentity& identity = words.identity;
+  command.add_option("--certificate", identity.certificate, "with --tls: our certificate, in PEM")
+      ->needs(tls);
+  command.add_option("--key", identity.key, "with --tls: its private key, in PEM")->needs(tls);
+  command
+      .add_option("--authorities", identity.authorities,
+                  "with --tls: who may have signed the gateway's certificate, in PEM")
+      ->needs(tls);
+  command
+      .add_option("--server-name", identity.server_name,
+                  "with --tls: the name or address in the gateway's certificate; default: --host")
+      ->needs(tls);
+}
+
+void add_profile_folder(CLI::App& command, std::optional<std::filesystem::path>& folder) {
+  command
+      .add_option("--profiles", folder,
+                  "look in this folder only, instead of /etc/mbgate/profiles and the installed "
+                  "ones")
+      ->type_name("DIR")
+      ->check(CLI::ExistingDirectory);
+}
+
+void add_control(CLI::App& command, std::string& socket) {
+  command
+      .add_option("--control", socket,
+                  "the control socket of mbgated, its [http] socket; or, to read, "
+                  "tcp://HOST:PORT, one of its [http] listen")
+      ->type_name("PLACE")
+      ->capture_default_str();
+}
+
+Target target_of(const ServerWords& words) {
+  Target target = words.target;
+  target.timeout = parse_time(words.timeout, std::chrono::milliseconds(1));
+  if (words.tls) {
+    const TlsIdentity& identity = words.identity;
+    if (identity.certificate.empty() || identity.key.empty() || identity.authorities.empty()) {
+      throw WrongUsage(
+          "--tls needs --certificate, --key and --authorities: the server is to know who asks, "
+          "and so are we who answers (mbgate-cert makes such files)");
+    }
+    target.tls = identity;
+    target.port = kTlsPort;
+  }
+  target.port = words.port.value_or(target.port);
+  return target;
+}
+
+}  // namespace mbgate::ctl
