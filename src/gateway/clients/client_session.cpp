@@ -42,7 +42,8 @@ void ClientSession::stall(Instant since) {
   if (pauses_.empty() && !is_read_to_the_end) {
     // Of a client with TLS, what was not handed on yet does not lie in this socket.
     const bool lies_here = info_.role.kind == routing::ClientRole::Kind::none;
-    pauses_.push_back({read_position_, lies_here ? std::max(since, seen_empty_) : since});
+    const Instant ran = std::max(seen_empty_, input.reloaded());  // it did not stand still then
+    pauses_.push_back({read_position_, lies_here ? std::max(since, ran) : since});
   }
 }
 

@@ -40,7 +40,8 @@ class ClientSession {
   /// read from the socket.
   Instant arrival_of(std::size_t bytes, std::size_t unread, Instant now);
   /// Nothing was read since then, and what comes next may have waited as long: without TLS no
-  /// longer than since the socket was seen empty. What waited already is older still.
+  /// longer than since the socket was seen empty, or since a reload, during which the process ran.
+  /// What waited already is older still.
   void stall(Instant since);
   /// Where in the client's stream the next request begins.
   [[nodiscard]] std::uint64_t position() const { return position_; }

@@ -15,6 +15,7 @@ class ReadAhead {
   void append(modbus::Bytes bytes, bus::Instant arrival);
   /// What arrives from now on does not count as older than this.
   void note_reload(bus::Instant now) { reloaded_ = now; }
+  [[nodiscard]] bus::Instant reloaded() const { return reloaded_; }
   void consume(std::size_t bytes);
   [[nodiscard]] bool empty() const { return size() == 0; }
   [[nodiscard]] std::size_t size() const { return bytes_.size() - consumed_; }
