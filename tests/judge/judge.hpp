@@ -61,6 +61,7 @@ class Judge : public Witness {
   void note_right(const Asked& asked);
 
   // truth_writes.cpp: a write is sent once, in time, for somebody, and not after its stop.
+  [[nodiscard]] bool asks_order(const Sent& sent) const;
   void check_asked_for(const Sent& sent);
   void check_once(Id id);
   void check_late(Id id);
