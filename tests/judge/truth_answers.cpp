@@ -210,24 +210,6 @@ bool Judge::is_echo_unknown(const Asked& asked, const Came& last) const {
           std::ranges::any_of(ledger_.sent[last.answers].asked, is_behind_echo));
 }
 
-// Of an answer to an ordinary register, with the 20 ms for which an adapter may keep it.
-bool Judge::is_beyond_its_tail(const Came& came) const {
-  const Sent& sent = ledger_.sent[came.answers];
-  const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*sent.station]);
-  return came.at >
-         sent.end + timing.response_timeout + timing.response_wait + quarantine_of(timing) + 20ms;
-}
-
-// It ends with an answer to what was sent last.
-void Judge::note_slip(const Came& came) {
-  const std::size_t at = *ledger_.sent[came.answers].station;
-  if (is_beyond_its_tail(came)) {
-    slipped_.insert(at);
-  } else if (!ledger_.last_sent[at].empty() && ledger_.last_sent[at].back() == came.answers) {
-    slipped_.erase(at);
-  }
-}
-
 // What is later than ever takes the place of an answer, and this one that of the next; and of the
 // parts of a request any may be wrong.
 bool Judge::is_later_than_ever(const Asked& asked, const Came& last) const {
