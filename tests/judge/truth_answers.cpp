@@ -18,6 +18,11 @@ constexpr std::uint8_t kNoAnswer = 0x0B;
 
 bool is_on_wire(const Asked& asked) { return !asked.sent.empty(); }
 
+// What was read then may be its answer.
+Instant oldest_of(const Asked& asked, const drive::Device* device) {
+  return asked.given - (device == nullptr ? 0ms : device->cache);
+}
+
 }  // namespace
 
 void Judge::check_exception(const Asked& asked) {
@@ -73,7 +78,7 @@ bool Judge::shows(const Asked& asked) const {
   const Octets& answer = asked.answer;
   const Station& station = plan_.stations[*asked.intent.station];
   const drive::Device* device = plan_.device_of(station);
-  const Span span{asked.given - (device == nullptr ? 0ms : device->cache), now()};
+  const Span span{oldest_of(asked, device), now()};
   if (is_bits(range.table)) {
     for (unsigned at = 0; at < range.count; ++at) {
       const std::uint16_t bit = answer[2 + at / 8] >> at % 8 & 1U;
@@ -214,10 +219,10 @@ bool Judge::is_echo_unknown(const Asked& asked, const Came& last) const {
 // parts of a request any may be wrong.
 bool Judge::is_later_than_ever(const Asked& asked, const Came& last) const {
   const std::size_t at = *asked.intent.station;
-  Instant begun = ledger_.sent[last.answers].begin;
-  if (!asked.sent.empty()) {
-    begun = std::min(begun, ledger_.sent[asked.sent.front()].begin);
-  }
+  const Instant asked_at = asked.sent.empty()
+                               ? oldest_of(asked, plan_.device_of(plan_.stations[at]))
+                               : ledger_.sent[asked.sent.front()].begin;
+  const Instant begun = std::min(asked_at, ledger_.sent[last.answers].begin);
   return std::ranges::any_of(ledger_.lines[plan_.stations[at].bus].came, [&](const Came& it) {
     return it.answers != kNone && ledger_.sent[it.answers].station == at && it.at >= begun &&
            is_beyond_its_tail(it);
