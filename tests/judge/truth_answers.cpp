@@ -271,8 +271,10 @@ void Judge::note_wrong(const Asked& asked, const char* kind) {
   slips.process = ledger_.process;
   slips.right = 0;
   const bool is_shared = std::exchange(slips.last, last->at) == last->at;
-  // What it said to the same question a moment before cannot be told from the answer to this one.
-  const bool is_same = !asked.sent.empty() && from.pdu == ledger_.sent[asked.sent.back()].pdu;
+  // What it said to the same question a moment before cannot be told from the answer to this one;
+  // nor can what refuses a stop, which waits for no second answer.
+  const bool is_same = (asked.intent.kind == Kind::stop && asked.answer[0] >= 0x80) ||
+                       (!asked.sent.empty() && from.pdu == ledger_.sent[asked.sent.back()].pdu);
   ++report_.apart[std::string(is_same ? "learning_stale_" : "learning_") + kind];
   constexpr unsigned kMostStale = 40;
   if (!is_shared && ++(is_same ? slips.stale : slips.wrong) > (is_same ? kMostStale : kMost)) {
