@@ -49,8 +49,8 @@ struct BroadcastForm {
 
 struct Broadcast {
   std::optional<BroadcastForm> form = BroadcastForm{};  ///< none: the manual states none
-  std::optional<std::uint16_t> most_registers;  ///< of function 16
-  std::optional<RangeList> allowed;             ///< none: everything
+  std::optional<std::uint16_t> most_registers;          ///< of function 16
+  std::optional<RangeList> allowed;                     ///< none: everything
   bool only = true;  ///< a drive with a form of its own hears nothing at address 0
   [[nodiscard]] bool has_own_form() const { return form && !form->is_standard(); }
   friend bool operator==(const Broadcast&, const Broadcast&) = default;

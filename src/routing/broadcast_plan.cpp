@@ -164,8 +164,8 @@ std::optional<ExceptionCode> misunderstanding(const ResolvedRoute& resolved, con
       }
     }
   }
-  const bool alike = std::ranges::all_of(
-      sent, [&](const Sent& it) { return mean_the_same(sent, it.frame.form); });
+  const bool alike =
+      std::ranges::all_of(sent, [&](const Sent& it) { return mean_the_same(sent, it.frame.form); });
   return alike ? std::nullopt : std::optional(ExceptionCode::illegal_data_value);
 }
 

@@ -20,7 +20,8 @@ struct ResolvedRoute {
   Route route;
   const drive::Device* device = nullptr;  ///< set: the rules of its profile apply
   std::vector<Audience> audiences{};      ///< of a broadcast
-  /// Set: only this form is sent, because the client has addressed the broadcast address of a drive's own form.
+  /// Set: only this form is sent, because the client has addressed the broadcast address of a
+  /// drive's own form.
   std::optional<drive::BroadcastForm> only_form{};
   /// Set: every unit of the bus is the one device that has this address.
   std::optional<std::uint8_t> one_address{};

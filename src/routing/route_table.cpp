@@ -80,8 +80,8 @@ Audience RouteTable::audience_on(BusId bus) const {
   return audience;
 }
 
-// Where drives hear broadcasts at an address of their own, that is no device's: it reaches them all,
-// so that only a client who may broadcast there gets a route.
+// Where drives hear broadcasts at an address of their own, that is no device's: it reaches them
+// all, so that only a client who may broadcast there gets a route.
 void RouteTable::guard_broadcast_address(Units& units) {
   for (std::size_t unit = 0; unit < units.size(); ++unit) {
     if (units[unit] == kNone) {

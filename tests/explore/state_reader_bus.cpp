@@ -107,11 +107,12 @@ void StateReader::read(const bus::Transmission& transmission, const bus::DeviceT
                        gateway::Gateway& gateway, Hash& hash) {
   // Where it is linked is told by who shows it: stop_hook. No line is lost: cut.
   const auto& [stop_hook, leader, followers, tries, cut, in_flight, is_probe, is_one_try,
-               waits_since, transmitted_at, last_sent, writes_before] = transmission;
+               hurried_by, waits_since, transmitted_at, last_sent, writes_before] = transmission;
   for (const bool flag : {in_flight, is_probe, is_one_try}) {
     hash.add(flag);
   }
   hash.add(tries);
+  hash.add(hurried_by);
   hash.ordered(Order::turn, static_cast<std::uint64_t>(last_sent.time_since_epoch().count()));
   if (transmission.is_stop()) {  // only a stop asks how long it has waited
     hash.since(waits_since, kFarPast);

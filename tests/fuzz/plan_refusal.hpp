@@ -166,8 +166,8 @@ inline bool broadcast_may_be_refused(const Scene& scene, const modbus::Request& 
       if (scene.resolved.only_form.value_or(form) == form) {
         const auto some = hearers(scene, audience, form, request);
         all.insert(all.end(), some.begin(), some.end());
-        goes_out = goes_out || !some.empty() ||
-                   (audience.devices.empty() && form == BroadcastForm{});
+        goes_out =
+            goes_out || !some.empty() || (audience.devices.empty() && form == BroadcastForm{});
       }
     }
   }

@@ -112,7 +112,7 @@ void Judge::check_rest() {
       violation("unanswered", name(asked));
     }
   }
-  constexpr unsigned kTries = 240;  // the stops of a storm may be on their way still
+  constexpr unsigned kTries = 60;
   for (std::size_t at = 0; at < plan_.doors.size(); ++at) {
     const Door& door = plan_.doors[at];
     if (!door.station || door.routed) {

@@ -56,11 +56,10 @@ class Judge : public Witness {
   [[nodiscard]] bool is_echo_unknown(const Asked& asked, const Came& last) const;
   [[nodiscard]] bool is_later_than_ever(const Asked& asked, const Came& last) const;
   void note_wrong(const Asked& asked, const char* kind);
-  [[nodiscard]] bool is_beyond_its_tail(const Came& came) const;
-  void note_slip(const Came& came);
   void note_right(const Asked& asked);
 
   // truth_writes.cpp: a write is sent once, in time, for somebody, and not after its stop.
+  [[nodiscard]] bool asks_order(const Sent& sent) const;
   void check_asked_for(const Sent& sent);
   void check_once(Id id);
   void check_late(Id id);
@@ -85,6 +84,8 @@ class Judge : public Witness {
     unsigned ended = 0;   ///< waits, by a frame that did not fit
     unsigned waited = 0;  ///< for the whole timeout all the same
   };
+  [[nodiscard]] bool is_beyond_its_tail(const Came& came) const;
+  void note_slip(const Came& came);
   void note_share(const Asked& asked);
   void check_shares();
 

@@ -71,7 +71,7 @@ class Meter : public Witness {
   World& world_;
   std::vector<Instant> back_;  ///< by station
   std::map<Id, Instant> open_;
-  Instant last_stop_ = Instant::min() + 1h;
+  Instant last_stop_ = Instant::min() + std::chrono::hours(1);
 };
 
 }  // namespace mbgate::judge

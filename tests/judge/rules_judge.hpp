@@ -61,15 +61,12 @@ class RulesJudge : public Witness {
              const Asked& asked);
   void check_busy(const Asked& asked);
   void check_refused_writes();
-  std::ptrdiff_t refused_writes_ = 0;
+  std::set<Id> refused_behind_;  ///< transmissions: writes were refused since, for no known reason
   [[nodiscard]] bool are_many_stops_due(std::size_t bus) const;
   [[nodiscard]] Instant ended(const Asked& asked) const;
   [[nodiscard]] bool may_be_over(const Asked& asked) const;
   [[nodiscard]] bool may_be_full(const Asked& asked) const;
   [[nodiscard]] bool may_not_be_written(const Asked& asked) const;
-  [[nodiscard]] bool is_before_reload(const Asked& asked) const {
-    return ledger_.reloaded >= connection_of(asked).opened || ledger_.stopping != kNever;
-  }
 
   // truth_order.cpp: with `ordered = true` answers have the order of their requests.
   void note_due(Id asked);

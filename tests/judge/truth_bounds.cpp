@@ -24,6 +24,28 @@ void Judge::came(std::size_t bus) {
   }
 }
 
+// Of an answer to an ordinary register, with the 20 ms for which an adapter may keep it; or later
+// than the next process listens first, if the one that has asked was killed.
+bool Judge::is_beyond_its_tail(const Came& came) const {
+  const Sent& sent = ledger_.sent[came.answers];
+  const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*sent.station]);
+  const auto& listens = plan_.bus(sent.bus).listen_first;
+  const bool was_killed = sent.process != ledger_.process && listens;
+  return came.at > sent.end + timing.response_timeout + timing.response_wait +
+                       quarantine_of(timing) + 20ms ||
+         (was_killed && came.at > ledger_.lines[sent.bus].opened + *listens);
+}
+
+// It ends with an answer to what was sent last.
+void Judge::note_slip(const Came& came) {
+  const std::size_t at = *ledger_.sent[came.answers].station;
+  if (is_beyond_its_tail(came)) {
+    slipped_.insert(at);
+  } else if (!ledger_.last_sent[at].empty() && ledger_.last_sent[at].back() == came.answers) {
+    slipped_.erase(at);
+  }
+}
+
 void Judge::note_share(const Asked& asked) {
   if (asked.intent.kind == Kind::own || asked.sent.empty() || !asked.intent.station) {
     return;

@@ -38,8 +38,8 @@ void RulesJudge::check_forms(const Asked& asked) {
   }
   for (const Station& station : plan_.stations) {
     const auto form = plan_.settings.devices[*station.device].profile.broadcast.form;
-    const bool is_meant = std::ranges::count(asked.intent.buses, station.bus) > 0 &&
-                          form != std::nullopt;
+    const bool is_meant =
+        std::ranges::count(asked.intent.buses, station.bus) > 0 && form != std::nullopt;
     const bool was_sent = std::ranges::any_of(asked.sent, [&](Id id) {
       const Sent& sent = ledger_.sent[id];
       return sent.bus == station.bus && sent.has_other_form == station.other_broadcasts;

@@ -144,8 +144,9 @@ void RulesJudge::check_busy(const Asked& asked) {
   }
   const std::uint8_t code = asked.answer.size() == 2 ? asked.answer[1] : 0;
   const Intent& intent = asked.intent;
+  // It is as old as its first byte, and a reload may have changed what it means.
   if (code != kTryAgainLater || intent.refused || !intent.station || asked.withdrawn ||
-      is_before_reload(asked)) {
+      ledger_.stopping != kNever || asked.written <= ledger_.reloaded + kUsual) {
     return;
   }
   if (intent.kind == Kind::stop) {
@@ -164,17 +165,19 @@ void RulesJudge::check_busy(const Asked& asked) {
   if (intent.kind == Kind::read) {
     violation("busy_for_nothing", asked);
   } else if (!may_not_be_written(asked)) {
-    ++refused_writes_;
+    refused_behind_.insert(ledger_.last_sent[*intent.station].back());
   }
 }
 
-// How old a write is, only the gateway knows: a few get 06 for that.
+// How old a write is, only the gateway knows, and whether what came shows that a drive is there: a
+// few get 06 for that. Behind one transmission they are one case.
 void RulesJudge::check_refused_writes() {
   const auto writes = std::ranges::count_if(ledger_.asked, [](const Asked& it) {
     return it.intent.kind == Kind::write && it.answers > 0 && it.answer[0] < 0x80;
   });
-  if (refused_writes_ > 20 + writes / 10) {
-    report_.violation("busy_for_nothing", std::to_string(refused_writes_) + " writes beside " +
+  const std::ptrdiff_t refused = std::ssize(refused_behind_);
+  if (refused > 20 + writes / 10) {
+    report_.violation("busy_for_nothing", std::to_string(refused) + " writes beside " +
                                               std::to_string(writes) + " that were done");
   }
 }

@@ -124,8 +124,15 @@ void Judge::check_crawl(Id id) {
     return;
   }
   const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*before.station]);
-  const Instant from = std::max({before.crawls, ledger_.asked[sent.asked.front()].given,
-                                 ledger_.reloaded, before.end + timing.response_timeout});
+  Instant from = std::max({before.crawls, ledger_.asked[sent.asked.front()].given, ledger_.reloaded,
+                           before.end + timing.response_timeout});
+  // Behind others of its connection it may have waited for its turn (`pipeline`).
+  for (Id it = 0; it < sent.asked.front(); ++it) {
+    const Asked& other = ledger_.asked[it];
+    if (other.connection == ledger_.asked[sent.asked.front()].connection && other.answers > 0) {
+      from = std::max(from, other.answered);
+    }
+  }
   // Its own drive is left alone for the tail besides, and may have shown how long that must be.
   const Duration tail =
       before.station == sent.station ? timing.response_timeout + timing.quarantine_max : 0ms;

@@ -10,12 +10,14 @@ namespace mbgate::judge {
 
 using namespace std::chrono_literals;
 
-// The gateway's own: failsafe writes, and the question for the word order.
+// The gateway asks for the word order itself, whether or not a client waits for the same.
+bool Judge::asks_order(const Sent& sent) const {
+  return sent.station && sent.reads && sent.reads->count == 1 &&
+         sent.reads->first == kOrderRegister && plan_.stations[*sent.station].device;
+}
+
 void Judge::check_asked_for(const Sent& sent) {
-  const bool asks_order = sent.station && sent.reads && sent.reads->count == 1 &&
-                          sent.reads->first == kOrderRegister &&
-                          plan_.stations[*sent.station].device;
-  if (sent.asked.empty() && !asks_order) {
+  if (sent.asked.empty() && !asks_order(sent)) {
     violation("unasked", name(sent));
     return;
   }
@@ -47,8 +49,7 @@ void Judge::check_limits(const Sent& sent) {
                             const Intent& intent = ledger_.asked[id].intent;
                             return !intent.whole || intent.sent == sent.pdu;
                           });
-    const bool asks_order = sent.reads && sent.reads->first == kOrderRegister;
-    if (!is_whole && !asks_order) {
+    if (!is_whole && !asks_order(sent)) {
       violation("altered", name(sent));
     }
     return;
@@ -94,7 +95,7 @@ void Judge::check_once(Id id) {
 // know: it reads what has come, late by no more than its machine makes it.
 void Judge::check_late(Id id) {
   const Sent& sent = ledger_.sent[id];
-  if (sent.is_stop || sent.asked.empty()) {
+  if (sent.is_stop || sent.asked.empty() || asks_order(sent)) {
     return;
   }
   const bool is_slow_machine = plan_.driver.stalls || plan_.driver.stops;

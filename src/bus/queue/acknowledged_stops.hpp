@@ -49,9 +49,7 @@ class AcknowledgedStops {
     modbus::Pdu request;
     Instant at;
   };
-  static bool is_broadcast(const Stop& stop) {
-    return stop.broadcast.has_value();
-  }
+  static bool is_broadcast(const Stop& stop) { return stop.broadcast.has_value(); }
   static bool is_over(const Stop& stop, Instant now) { return now >= stop.at + kStopCountsFor; }
   static bool is_same(const Stop& stop, const Transaction& other) {
     return stop.address == other.address && stop.broadcast == other.broadcast &&

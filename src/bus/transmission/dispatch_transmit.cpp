@@ -107,8 +107,11 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
     ++entry.counters.transmissions;
     timing = entry.device->timing_of(sent.request);
     sent.boot_time = entry.device->silent_after(sent.request);
+    transmission.hurried_by = Duration{0};
     if (entry.health.is_offline()) {
-      timing.response_timeout = timing.probe_timeout_or_default();
+      const Duration usual =
+          std::exchange(timing.response_timeout, timing.probe_timeout_or_default());
+      transmission.hurried_by = std::max(usual - timing.response_timeout, Duration{0});
       transmission.is_probe = !transmission.is_stop();
       counters.probes += transmission.is_probe ? 1U : 0U;
     }

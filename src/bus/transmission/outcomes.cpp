@@ -33,8 +33,9 @@ Hold::Sent sent_of(const Transmission& it, Instant due, bool may_be_answered = f
 
 }  // namespace
 
-void Outcomes::handle_end(const LineEnd& end, Instant now) {
+void Outcomes::handle_end(LineEnd end, Instant now) {
   Transmission& transmission = parts_.transmissions.find(end.transaction);
+  end.due += transmission.hurried_by;  // its answer may still come as late as any other
   transmission.in_flight = false;
   parts_.turns.note_end(now);
   const Transaction& sent = *end.transaction;
@@ -246,7 +247,8 @@ void Outcomes::note_lost() {
   for (const Transmission* running : parts_.transmissions.running()) {
     const Transaction& sent = running->on_wire();
     if (due && running->in_flight && !sent.is_broadcast() && !sent.may_stay_silent()) {
-      parts_.devices[sent.address].hold.note_unanswered(sent_of(*running, *due));
+      parts_.devices[sent.address].hold.note_unanswered(
+          sent_of(*running, *due + running->hurried_by));
     }
   }
 }

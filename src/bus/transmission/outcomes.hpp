@@ -14,7 +14,7 @@ class Outcomes {
   Outcomes(Parts& parts, JobEnds& ends, LineDiagnosis& diagnosis)
       : parts_(parts), ends_(ends), diagnosis_(diagnosis) {}
 
-  void handle_end(const LineEnd& end, Instant now);
+  void handle_end(LineEnd end, Instant now);
   /// A connection was closed by the server: what was in flight has no answer.
   void handle_cut(Instant now);
   /// The line is lost: devices may still answer what was on the wire.

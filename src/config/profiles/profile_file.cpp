@@ -123,7 +123,8 @@ void read_broadcast(ProfileDraft& draft) {
     table->require("address");
     BroadcastForm& own = broadcast.form.emplace();
     own.address = static_cast<std::uint8_t>(table->integer("address", {1, 255}).value_or(1));
-    own.function_or = static_cast<std::uint8_t>(table->integer("function_or", {0, 255}).value_or(0));
+    own.function_or =
+        static_cast<std::uint8_t>(table->integer("function_or", {0, 255}).value_or(0));
     broadcast.only = table->boolean("only").value_or(true);
   }
   if (form && !is_own) {

@@ -74,8 +74,7 @@ void check_broadcast_address(Draft& draft) {
   const auto& devices = draft.settings.devices;
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const auto hearer = std::ranges::find_if(devices, [&](const drive::Device& other) {
-      return other.bus == devices[i].bus &&
-             other.profile.broadcast.has_own_form() &&
+      return other.bus == devices[i].bus && other.profile.broadcast.has_own_form() &&
              other.profile.broadcast.form->address == devices[i].address;
     });
     if (hearer != devices.end()) {

@@ -125,7 +125,9 @@ json::value order_json(const drive::Profile& profile) {
 json::object broadcast_json(const ProfileFile& file) {
   const auto& broadcast = file.profile.broadcast;
   const auto form = broadcast.form;
-  json::object object{{"form", !form ? "none" : form->is_standard() ? "standard" : "own"},
+  json::object object{{"form", !form                 ? "none"
+                               : form->is_standard() ? "standard"
+                                                     : "own"},
                       {"most_registers", number_or_null(broadcast.most_registers)}};
   object["allowed"] = broadcast.allowed ? json::value(ranges_json(file, file.broadcast_allowed))
                                         : json::value(nullptr);

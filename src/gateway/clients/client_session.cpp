@@ -14,7 +14,7 @@ ClientSession::ClientSession(ClientId id, const ClientInfo& info, const Listener
       key_(key_of(info, listener)),
       listener_(&listener),
       rights_{listener.read_only.contains(info.address, info.role)},
-      seen_empty_(now) {
+      ran_at_(now) {
   if (info.bytes_before_ready > 0) {
     waits_since_ = Instant::min();
   }
@@ -29,7 +29,7 @@ Instant ClientSession::arrival_of(std::size_t unread, Instant now) {
   const Instant arrival = waits_since_.value_or(now);
   if (unread == 0) {
     waits_since_.reset();
-    seen_empty_ = now;
+    ran_at_ = now;
   }
   return arrival;
 }
@@ -39,7 +39,7 @@ void ClientSession::stall(Instant since) {
   if (!waits_since_ && !is_read_to_the_end) {
     // Of a client with TLS, what was not handed on yet does not lie in this socket.
     const bool lies_here = info_.role.kind == routing::ClientRole::Kind::none;
-    waits_since_ = lies_here ? std::max(since, seen_empty_) : since;
+    waits_since_ = lies_here ? std::max(since, ran_at_) : since;
   }
 }
 

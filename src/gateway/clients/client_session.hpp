@@ -41,8 +41,11 @@ class ClientSession {
   /// now, if it was never seen otherwise. `unread`: bytes that can still be read from the socket.
   Instant arrival_of(std::size_t unread, Instant now);
   /// Nothing was read since then, and what comes next may have waited as long: without TLS no
-  /// longer than since the socket was seen empty. What waited already is older still.
+  /// longer than since the socket was seen empty, or since a reload, during which the process ran.
+  /// What waited already is older still.
   void stall(Instant since);
+  /// New settings are in force: the process did not stand still then.
+  void note_reload(Instant now) { ran_at_ = now; }
   /// The request at the front of `input` was handled: removes it.
   void pass(std::size_t bytes) {
     input.consume(bytes);
@@ -102,7 +105,8 @@ class ClientSession {
   bool half_closed_ = false;
   /// What lies in the socket may have waited there since then; nothing: the socket is empty.
   std::optional<Instant> waits_since_;
-  Instant seen_empty_;  // when nothing lay there, or the connection was let in
+  /// The process ran then: it saw the socket empty, let the connection in, or took over settings.
+  Instant ran_at_;
 };
 
 }  // namespace mbgate::gateway

@@ -160,7 +160,7 @@ void Clients::close_unwanted(const Settings& next, Instant now) {
 }
 
 void Clients::adopt(const SettingsSnapshot& before, Instant now) {
-  sessions_.adopt(settings_.settings());
+  sessions_.adopt(settings_.settings(), now);
   intake_.adopt(before, now);
   sessions_.for_each([&](ClientSession& session) {
     requests_.end_withdrawn(session, now);

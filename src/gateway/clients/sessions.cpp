@@ -112,13 +112,14 @@ void Sessions::clear_counters() {
   std::ranges::fill(counters_, ListenerCounters{});
 }
 
-void Sessions::adopt(const Settings& next) {
+void Sessions::adopt(const Settings& next, Instant now) {
   settings_ = &next;
   on_listener_.assign(next.listeners.size(), 0);
   counters_.resize(next.listeners.size());
   for_each([&](ClientSession& session) {
     const ListenerId listener = session.info().listener;
     session.adopt(next.listener(listener));
+    session.note_reload(now);
     ++on(listener);
     wake(session);  // to be served, and looked at by its new times
   });

@@ -69,7 +69,7 @@ class Sessions {
   void clear_counters();
 
   /// New settings, which still have the listeners of all clients.
-  void adopt(const Settings& next);
+  void adopt(const Settings& next, Instant now);
 
  private:
   struct Address {

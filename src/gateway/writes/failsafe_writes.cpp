@@ -244,14 +244,16 @@ void FailsafeWrites::send_at_exit(Instant now) {
 void FailsafeWrites::adopt(const SettingsSnapshot& before) {
   const SettingsSnapshot& next = settings_.in_force();
   const auto& devices = next.settings.devices;
-  const auto old = std::exchange(watches_, {});
+  auto old = std::exchange(watches_, {});
   for (std::size_t device = 0; device < devices.size(); ++device) {
     if (!next.failsafe(device).empty()) {
       watches_[device];
     }
   }
-  for (const auto& [place, watch] : old) {
+  for (auto& [place, watch] : old) {
     const drive::Device& device = before.settings.devices[place];
+    const auto due = watch.due;
+    abandon(watch);
     const auto same = std::ranges::find_if(devices, [&](const drive::Device& it) {
       return is_same_drive(before.settings, device, next.settings, it);
     });
@@ -260,8 +262,8 @@ void FailsafeWrites::adopt(const SettingsSnapshot& before) {
       report(device, watch, FailsafeOutcome::device_gone);
     } else if (known != watches_.end()) {
       known->second = watch;
-      if (watch.due) {
-        begin(known->first, known->second, *watch.due);
+      if (due) {
+        begin(known->first, known->second, *due);
       }
     }
   }

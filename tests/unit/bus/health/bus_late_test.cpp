@@ -55,6 +55,20 @@ TEST_F(BusLate, TheQuarantineEndsByItself) {
   EXPECT_EQ(until_next_frame(), 120ms);
 }
 
+// Nobody waits so long for it, but its answer may be as late as any.
+TEST_F(BusLate, WhatAnOfflineDeviceWasAskedIsOwedAsLongAsWhatOthersWere) {
+  auto breaking = settings();
+  breaking.timing.offline_after = 1;
+  breaking.timing.probe_timeout = 10ms;
+  open(breaking);
+  submit(job(kRead));
+  advance(3s);
+  submit(job(kRead));
+  advance(kEmission + 10ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::no_answer));
+  EXPECT_EQ(bus_->view().held_back(1, now_), 210ms);
+}
+
 TEST_F(BusLate, LatenessIsToldAndTheQuarantineGrows) {
   open(settings());
   submit(job(kRead));

@@ -140,6 +140,18 @@ TEST(ReloadMemory, NorIsAStopThatIsReadAfterAStallOlderThanItsConnection) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kStop2));
 }
 
+// Nor did it stand still during the reload.
+TEST(ReloadMemory, NorIsItOlderThanAReloadBeforeTheStall) {
+  MachineRig rig(stop_plant());
+  rig.connect(1);
+  rig.advance(1s);
+  rig.reload(moved(stop_plant()));
+  rig.advance(600ms);
+  rig.harness.handle(gateway::Stalled{700ms});
+  rig.receive(1, stop_request(1));
+  EXPECT_THAT(take_requests(rig), ElementsAre(kStop2));
+}
+
 TEST(ReloadMemory, ClientsThatAreThereHaveTheirNewWeights) {
   Settings settings = stop_plant(8);
   MachineRig rig(settings);

@@ -7,6 +7,7 @@
 namespace mbgate::test {
 namespace {
 
+using testing::Each;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
@@ -71,6 +72,17 @@ TEST_F(FailsafeReload, WhatIsUnderWayBeginsAnewWithTheNewWrites) {
   rig_.lose_line();
   rig_.open_line();
   EXPECT_THAT(answer_all(rig_, 3s), ElementsAre(kSecond, kStop1));
+}
+
+TEST_F(FailsafeReload, WhatWasUnderWayIsNotRepeatedForAClientThatAsksAgain) {
+  rig_.disconnect(1);
+  rig_.advance(kGrace);
+  EXPECT_THAT(take_requests(rig_), ElementsAre(kStop1));
+  rig_.reload(watched_plant());
+  rig_.connect(2);
+  rig_.receive(2, read_request(1, 1));
+  rig_.advance(4s);
+  EXPECT_THAT(take_requests(rig_), Each(kRead1));
 }
 
 TEST_F(FailsafeReload, ThatTakesTheWritesAwayEndsThem) {
