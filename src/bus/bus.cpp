@@ -56,7 +56,7 @@ void Bus::handle_lost(Instant now, Loss loss) {
   }
   const bool was_open = link.is_open();
   const bool in_order =
-      line.has_answered() || (line.is_unused() && !link.is_new(parts_.settings, now));
+      line.use().has_answered() || (!line.use().was_asked() && !link.is_new(parts_.settings, now));
   if (loss == Loss::closed && link.is_open() && in_order) {
     line.note_closed(now);
     outcomes_.note_lost();

@@ -64,15 +64,9 @@ class LineDiscipline {
   [[nodiscard]] std::optional<Instant> next_deadline() const {
     return std::visit([](const auto& line) { return line.next_deadline(); }, line_);
   }
-  /// Something that was asked on the open connection has been answered. Never on a local port.
-  [[nodiscard]] bool has_answered() const {
-    const auto* tcp = std::get_if<TcpDiscipline>(&line_);
-    return tcp != nullptr ? tcp->use().has_answered() : remote_use().has_answered;
-  }
-  /// Nothing was asked on the open connection. Never on a local port.
-  [[nodiscard]] bool is_unused() const {
-    const auto* tcp = std::get_if<TcpDiscipline>(&line_);
-    return tcp != nullptr ? !tcp->use().was_asked() : remote_use().is_unused;
+  /// How the open connection, or a serial line behind `tcp://`, was used.
+  [[nodiscard]] const ConnectionUse& use() const {
+    return std::visit([](const auto& line) -> const ConnectionUse& { return line.use(); }, line_);
   }
   void note_closed(Instant now) {
     if (auto* tcp = std::get_if<TcpDiscipline>(&line_)) {
@@ -95,9 +89,6 @@ class LineDiscipline {
   }
 
  private:
-  [[nodiscard]] SerialDiscipline::RemoteUse remote_use() const {
-    return std::get<SerialDiscipline>(line_).remote_use();
-  }
   using Variant = std::variant<SerialDiscipline, TcpDiscipline>;
   static Variant make(const BusSettings& settings, BusCounters& counters) {
     if (settings.line.framing == Framing::tcp) {

@@ -28,9 +28,8 @@ bool takes(const Device& device, const Request& request) {
 }
 
 // The standard one first, then each of its own that a profile states.
-using Forms = boost::container::small_vector<BroadcastForm, 2>;
-Forms forms_of(const Audience& audience) {
-  Forms forms{BroadcastForm{}};
+auto forms_of(const Audience& audience) {
+  boost::container::small_vector<BroadcastForm, 2> forms{BroadcastForm{}};
   for (const Device* device : audience.devices) {
     const auto& form = device->profile.broadcast.form;
     if (form && std::ranges::find(forms, *form) == forms.end()) {
@@ -283,14 +282,14 @@ std::vector<const Device*> not_addressed(const ResolvedRoute& resolved, const Pl
                                          bool is_stop) {
   std::vector<const Device*> left_out;
   const auto is_for = [&](const Device& device, const PlannedTransaction& it) {
-    return it.bus == device.bus && device.is_addressed_by(it.address, it.broadcast) &&
+    return it.broadcast && it.bus == device.bus &&
+           device.is_addressed_by(it.address, it.broadcast) &&
            (is_stop ? device.is_stop(it.request) : has_registers(device, it.request));
   };
   for (const Audience& audience : resolved.audiences) {
     for (const Device* device : audience.devices) {
-      if (is_asked(resolved, *device) &&
-          std::ranges::none_of(plan.transactions(), [&](const auto& it) {
-            return it.broadcast.has_value() && is_for(*device, it);
+      if (is_asked(resolved, *device) && std::ranges::none_of(plan.transactions(), [&](auto& it) {
+            return is_for(*device, it);
           })) {
         left_out.push_back(device);
       }

@@ -11,14 +11,13 @@ void StateReader::read(const bus::LineDiscipline& line, const Sight& sight, Hash
 }
 
 void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Hash& hash) {
-  // Settings: paced_setting, is_remote. Only where the far end may close: was_asked, has_answered.
-  // Counted, shown or told only: counters, draining, heard, heard_at, unpaced_told. Without a
+  // A setting: paced_setting. Only where the far end may close: use. Counted, shown or told only:
+  // counters, draining, heard, heard_at, unpaced_told. Without a
   // driver that holds something: unsent, is_answerless. Empty when the machine was asked for its
   // actions: faults, refused, end.
-  const auto& [silence, paced_setting, paced, is_remote, was_asked, has_answered, counters, faults,
-               echo, framer, transaction, response_due, response_deadline, response_wait, owed,
-               misfit, may_be_echo, refused, draining, heard, heard_at, unpaced_told, unsent,
-               is_answerless, end] = line;
+  const auto& [silence, paced_setting, paced, use, counters, faults, echo, framer, transaction,
+               response_due, response_deadline, response_wait, owed, misfit, may_be_echo, refused,
+               draining, heard, heard_at, unpaced_told, unsent, is_answerless, end] = line;
   // Settings: timing, frame_gap, turnaround, settle.
   const auto& [timing, frame_gap, turnaround, settle, quiet_since, busy_since, settling_until,
                listening_until, turnaround_until, emission_ends] = silence;

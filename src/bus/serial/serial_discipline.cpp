@@ -32,7 +32,6 @@ modbus::Pdu pdu_on_wire(const Transaction& transaction) {
 SerialDiscipline::SerialDiscipline(const BusSettings& settings, BusCounters& counters)
     : silence_(settings),
       paced_setting_(settings.line.paced),
-      is_remote_(settings.line.remote),
       counters_(counters),
       echo_(settings.line.echo, counters, faults_),
       framer_(settings, silence_.timing(), counters) {}
@@ -42,7 +41,8 @@ void SerialDiscipline::open(Instant now, LineKind kind, Instant listen_until) {
   framer_.forget();
   paced_ = paced_setting_.value_or(kind == LineKind::uart);
   echo_.open();
-  unpaced_told_ = is_answerless_ = was_asked_ = has_answered_ = false;
+  unpaced_told_ = is_answerless_ = false;
+  use_.open();
   unsent_ = 0;
   silence_.open(now, listen_until);
 }
@@ -59,7 +59,7 @@ FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::Device
   judge_held(echo_.release(), now);  // the beginning of a late answer, if its rest comes
   const FrameBytes frame = framer_.encode(transaction.address, pdu_on_wire(transaction));
   transaction_ = &transaction;
-  was_asked_ = true;
+  use_.note_asked(now);
   end_.reset();
   silence_.note_frame(frame.size(), now);
   response_wait_ = timing.response_wait;
@@ -125,7 +125,9 @@ void SerialDiscipline::end(LineEnd::How how) {
                      framer_.found().began < answers_at;
   end_ = LineEnd{how, std::exchange(transaction_, nullptr), response_due_,
                  std::max(silence_.quiet_since() - silence_.emission_ends(), Duration{0}), early};
-  has_answered_ = has_answered_ || how == LineEnd::How::response;
+  if (how == LineEnd::How::response) {
+    use_.note_answer(silence_.quiet_since());
+  }
   const bool framed = how == LineEnd::How::response || how == LineEnd::How::damaged;
   end_->heard = heard_;
   end_->heard_after = heard_ > 0 ? heard_at_ - silence_.emission_ends() : Duration{0};

@@ -6,6 +6,7 @@
 
 #include <optional>
 
+#include "bus/connection_use.hpp"
 #include "bus/counters.hpp"
 #include "bus/job.hpp"
 #include "bus/line_end.hpp"
@@ -20,7 +21,6 @@ class SerialDiscipline {
  public:
   SerialDiscipline(const BusSettings& settings, BusCounters& counters);
   SerialDiscipline(const SerialDiscipline&) = delete;  // its parts refer to each other
-  SerialDiscipline& operator=(const SerialDiscipline&) = delete;
 
   /// The line was opened: it is listened to until then, nothing of before counts any more.
   void open(Instant now, LineKind kind, Instant listen_until);
@@ -61,14 +61,7 @@ class SerialDiscipline {
   /// A good frame that answers nothing that was asked, each once.
   std::optional<UnsolicitedFrame> take_unsolicited();
   [[nodiscard]] LineState state(Instant now) const;
-  /// How a line behind `tcp://` was used since it was opened; nothing is said of a local port.
-  struct RemoteUse {
-    bool has_answered;
-    bool is_unused;
-  };
-  [[nodiscard]] RemoteUse remote_use() const {
-    return {is_remote_ && has_answered_, is_remote_ && !was_asked_};
-  }
+  [[nodiscard]] const ConnectionUse& use() const { return use_; }
   /// Was it found, where the settings do not say, that the line has an echo?
   [[nodiscard]] bool hears_itself() const { return echo_.is_learned() && echo_.is_present(); }
 
@@ -83,9 +76,7 @@ class SerialDiscipline {
   LineSilence silence_;
   std::optional<bool> paced_setting_;
   bool paced_ = false;
-  bool is_remote_;
-  bool was_asked_ = false;
-  bool has_answered_ = false;
+  ConnectionUse use_;  // of interest behind `tcp://`, where the far end may close
   BusCounters& counters_;
   LineFaults faults_;
   Echo echo_;

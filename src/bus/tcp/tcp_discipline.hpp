@@ -9,11 +9,11 @@
 #include <optional>
 #include <vector>
 
+#include "bus/connection_use.hpp"
 #include "bus/counters.hpp"
 #include "bus/job.hpp"
 #include "bus/line_end.hpp"
 #include "bus/settings.hpp"
-#include "bus/tcp/connection_use.hpp"
 #include "bus/unsolicited.hpp"
 #include "modbus/mbap.hpp"
 

@@ -121,7 +121,7 @@ bool Dispatch::reopen_if_hung(Instant now) {
 }
 
 void Dispatch::rest(Instant now) {
-  parts_.link.rest(parts_.settings, parts_.line.has_answered());
+  parts_.link.rest(parts_.settings, parts_.line.use().has_answered());
   forget_look();
   parts_.line.abort();
   outcomes_.handle_cut(now);

@@ -115,11 +115,10 @@ void read_broadcast(ProfileDraft& draft) {
   auto& broadcast = draft.file.profile.broadcast;
   table->require("form");
   const auto form = table->word<FormWord>("form", kForms);
-  const bool is_own = form == FormWord::own;
   if (form == FormWord::none) {
     broadcast.form.reset();
   }
-  if (is_own) {
+  if (form == FormWord::own) {
     table->require("address");
     BroadcastForm& own = broadcast.form.emplace();
     own.address = static_cast<std::uint8_t>(table->integer("address", {1, 255}).value_or(1));
@@ -127,11 +126,9 @@ void read_broadcast(ProfileDraft& draft) {
         static_cast<std::uint8_t>(table->integer("function_or", {0, 255}).value_or(0));
     broadcast.only = table->boolean("only").value_or(true);
   }
-  if (form && !is_own) {
-    for (const char* key : {"address", "function_or", "only"}) {
-      if (table->has(key)) {
-        table->error(key, R"(belongs to form = "own")");
-      }
+  for (const char* key : {"address", "function_or", "only"}) {
+    if (form && form != FormWord::own && table->has(key)) {
+      table->error(key, R"(belongs to form = "own")");
     }
   }
   if (const auto most = table->integer("most_registers", {1, 123})) {

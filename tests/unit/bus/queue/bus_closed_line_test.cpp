@@ -31,7 +31,7 @@ class BusClosedLine : public Bus {
   }
   static bus::BusSettings remote() {
     auto remote = settings();
-    remote.line.remote = true;
+    remote.line.remote.emplace();
     return remote;
   }
 };
@@ -118,17 +118,6 @@ TEST_F(BusClosedLine, AReadThatWasOnTheWireThereIsAskedOnceMoreAndAWriteIsNot) {
     EXPECT_THAT(endings_, is_read ? ElementsAre(Ending::answered, Ending::no_answer)
                                   : ElementsAre(Ending::answered, Ending::no_answer));
   }
-}
-
-TEST_F(BusClosedLine, ALocalPortIsLostAsBefore) {
-  open(settings());
-  submit(job(kRead));
-  advance(10ms);
-  line(kAnswer);
-  lose(bus::Loss::closed);
-  EXPECT_EQ(bus_->counters().losses, 1U);
-  submit(job(kRead));
-  EXPECT_EQ(endings_.back(), Ending::closed);
 }
 
 TEST_F(BusClosedLine, WhatAStopCutsShortIsNeitherAnsweredNorUnanswered) {

@@ -202,5 +202,22 @@ TEST_F(Bus, ShowsTheStatesOfTheSpecification) {
   EXPECT_EQ(bus_->view().line_state(now_), State::waiting_for_reply);
 }
 
+TEST_F(Bus, ADeviceIsLeftAloneAfterAWriteAndTheOthersAreNot) {
+  auto busy = settings();
+  busy.timing.gap_after_write = 30ms;
+  open(busy);
+  submit(job("06 0000 0001"));
+  advance(10ms);
+  submit(job(kRead));
+  line("01 06 00 00 00 01 48 0A");
+  submit(job_of(1, kRead, 2));
+  advance(10ms);
+  ASSERT_THAT(frames_, SizeIs(2));
+  EXPECT_EQ(frames_[1], kOtherDevice);
+  line("02 03 02 12 34 F1 33");
+  EXPECT_EQ(until_next_frame(), 20ms);
+  EXPECT_EQ(frames_[2], kReadFrame);
+}
+
 }  // namespace
 }  // namespace mbgate::test
