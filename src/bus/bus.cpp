@@ -119,7 +119,7 @@ void Bus::collect(Instant now) {
   while (const auto unsolicited = parts_.line.take_unsolicited()) {
     diagnosis_.note_unsolicited(*unsolicited);
   }
-  while (const auto end = parts_.line.take_end()) {
+  while (const auto end = parts_.line.take_end(now)) {
     outcomes_.handle_end(*end, now);
   }
   while (const auto fault = parts_.line.take_fault()) {

@@ -17,6 +17,7 @@ class LineDiscipline {
       : line_(make(settings, counters)) {}
 
   void open(Instant now, LineKind kind, Instant listen_until) {
+    use_.open();
     std::visit([&](auto& line) { line.open(now, kind, listen_until); }, line_);
   }
   [[nodiscard]] Instant ready_at(Duration gap) const {
@@ -35,6 +36,7 @@ class LineDiscipline {
   }
   FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, OwedAnswers owed,
                    Instant now) {
+    use_.note_asked(now);
     return std::visit(
         [&](auto& line) { return line.begin(transaction, timing, std::move(owed), now); }, line_);
   }
@@ -66,15 +68,20 @@ class LineDiscipline {
   }
   /// How the open connection, or a serial line behind `tcp://`, was used.
   [[nodiscard]] const ConnectionUse& use() const {
-    return std::visit([](const auto& line) -> const ConnectionUse& { return line.use(); }, line_);
+    const auto* tcp = std::get_if<TcpDiscipline>(&line_);
+    return tcp != nullptr ? tcp->use() : use_;
   }
   void note_closed(Instant now) {
     if (auto* tcp = std::get_if<TcpDiscipline>(&line_)) {
       tcp->note_closed(now);
     }
   }
-  std::optional<LineEnd> take_end() {
-    return std::visit([](auto& line) { return line.take_end(); }, line_);
+  std::optional<LineEnd> take_end(Instant now) {
+    const auto end = std::visit([](auto& line) { return line.take_end(); }, line_);
+    if (end && end->how == LineEnd::How::response) {
+      use_.note_answer(now);
+    }
+    return end;
   }
   std::optional<LineFault> take_fault() {
     return std::visit([](auto& line) { return line.take_fault(); }, line_);
@@ -104,6 +111,7 @@ class LineDiscipline {
   }
 
   Variant line_;
+  ConnectionUse use_;  // of a serial line: of interest behind `tcp://`
 };
 
 }  // namespace mbgate::bus

@@ -9,7 +9,6 @@
 
 namespace mbgate::routing {
 namespace {
-
 using drive::BroadcastForm;
 using drive::Device;
 using modbus::ExceptionCode;

@@ -58,7 +58,7 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   }
   for (const auto& [address, broadcast, request, at] : acknowledged.stops_) {
     hash.add(address);
-    hash.add(broadcast);
+    hash.add(broadcast.has_value());
     hash.add(request.bytes());
     hash.since(at, bus::kStopCountsFor);
   }
@@ -168,7 +168,7 @@ void StateReader::read(const bus::Transaction& transaction, Hash& hash) {
   hash.add(unit);
   hash.add(request.pdu().bytes());
   hash.add(silence_is_success);
-  hash.add(broadcast);
+  hash.add(broadcast.has_value());
   hash.add(response.has_value());
   if (response) {
     hash.add(response->bytes());

@@ -6,16 +6,17 @@
 namespace mbgate::explore {
 
 void StateReader::read(const bus::LineDiscipline& line, const Sight& sight, Hash& hash) {
-  const auto& [variant] = line;
+  // Only where the far end may close: use.
+  const auto& [variant, use] = line;
   read(std::get<bus::SerialDiscipline>(variant), sight, hash);
 }
 
 void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Hash& hash) {
-  // A setting: paced_setting. Only where the far end may close: use. Counted, shown or told only:
+  // A setting: paced_setting. Counted, shown or told only:
   // counters, draining, heard, heard_at, unpaced_told. Without a
   // driver that holds something: unsent, is_answerless. Empty when the machine was asked for its
   // actions: faults, refused, end.
-  const auto& [silence, paced_setting, paced, use, counters, faults, echo, framer, transaction,
+  const auto& [silence, paced_setting, paced, counters, faults, echo, framer, transaction,
                response_due, response_deadline, response_wait, owed, misfit, may_be_echo, refused,
                draining, heard, heard_at, unpaced_told, unsent, is_answerless, end] = line;
   // Settings: timing, frame_gap, turnaround, settle.

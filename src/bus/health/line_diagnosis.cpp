@@ -142,7 +142,7 @@ void LineDiagnosis::tell_quality(std::uint8_t address) {
 }
 
 bool LineDiagnosis::note_unanswered_connection() {
-  return !std::exchange(replacement_reported_, true) || parts_.line.has_answered();
+  return !std::exchange(replacement_reported_, true) || parts_.line.use().has_answered();
 }
 
 void LineDiagnosis::notify(DeviceNotice::Kind kind, std::uint8_t address) {

@@ -42,7 +42,6 @@ void SerialDiscipline::open(Instant now, LineKind kind, Instant listen_until) {
   paced_ = paced_setting_.value_or(kind == LineKind::uart);
   echo_.open();
   unpaced_told_ = is_answerless_ = false;
-  use_.open();
   unsent_ = 0;
   silence_.open(now, listen_until);
 }
@@ -59,7 +58,6 @@ FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::Device
   judge_held(echo_.release(), now);  // the beginning of a late answer, if its rest comes
   const FrameBytes frame = framer_.encode(transaction.address, pdu_on_wire(transaction));
   transaction_ = &transaction;
-  use_.note_asked(now);
   end_.reset();
   silence_.note_frame(frame.size(), now);
   response_wait_ = timing.response_wait;
@@ -125,9 +123,6 @@ void SerialDiscipline::end(LineEnd::How how) {
                      framer_.found().began < answers_at;
   end_ = LineEnd{how, std::exchange(transaction_, nullptr), response_due_,
                  std::max(silence_.quiet_since() - silence_.emission_ends(), Duration{0}), early};
-  if (how == LineEnd::How::response) {
-    use_.note_answer(silence_.quiet_since());
-  }
   const bool framed = how == LineEnd::How::response || how == LineEnd::How::damaged;
   end_->heard = heard_;
   end_->heard_after = heard_ > 0 ? heard_at_ - silence_.emission_ends() : Duration{0};

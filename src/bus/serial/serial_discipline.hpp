@@ -6,7 +6,6 @@
 
 #include <optional>
 
-#include "bus/connection_use.hpp"
 #include "bus/counters.hpp"
 #include "bus/job.hpp"
 #include "bus/line_end.hpp"
@@ -21,6 +20,7 @@ class SerialDiscipline {
  public:
   SerialDiscipline(const BusSettings& settings, BusCounters& counters);
   SerialDiscipline(const SerialDiscipline&) = delete;  // its parts refer to each other
+  SerialDiscipline& operator=(const SerialDiscipline&) = delete;
 
   /// The line was opened: it is listened to until then, nothing of before counts any more.
   void open(Instant now, LineKind kind, Instant listen_until);
@@ -61,7 +61,6 @@ class SerialDiscipline {
   /// A good frame that answers nothing that was asked, each once.
   std::optional<UnsolicitedFrame> take_unsolicited();
   [[nodiscard]] LineState state(Instant now) const;
-  [[nodiscard]] const ConnectionUse& use() const { return use_; }
   /// Was it found, where the settings do not say, that the line has an echo?
   [[nodiscard]] bool hears_itself() const { return echo_.is_learned() && echo_.is_present(); }
 
@@ -76,7 +75,6 @@ class SerialDiscipline {
   LineSilence silence_;
   std::optional<bool> paced_setting_;
   bool paced_ = false;
-  ConnectionUse use_;  // of interest behind `tcp://`, where the far end may close
   BusCounters& counters_;
   LineFaults faults_;
   Echo echo_;
