@@ -51,7 +51,7 @@ void add_listener(std::ostream& text, const std::string& name, std::size_t bus,
   text << "[[listen]]\nname = \"" << name << "\"\naddress = \"127.0.0.1\"\nport = 0\nbus = \""
        << line_name(bus)
        << "\"\nmax_connections = 20000\nmax_connections_per_address = "
-          "20000\nmax_connects_per_second = 0\nmax_requests_per_second = 0\npipeline = 200\n"
+          "20000\nmax_connects_per_second = 0\nmax_requests_per_second = 0\npipeline = 64\n"
        << (encrypted == Encrypted::yes ? "tls = \"bench\"\nmax_handshakes_per_second = 0\n"
                                          "max_handshakes_per_second_per_client = 0\n"
                                        : "");

@@ -103,11 +103,11 @@ class ManyClients : public testing::Test {
   std::optional<TcpClient> blocking_;
 };
 
-// Client 0 has 200 reads waiting, each of the others forty. Only the bus decides when an answer
+// Client 0 has sent 200 reads, each of the others forty. Only the bus decides when an answer
 // comes, until the first client has none left to wait for.
 TEST_F(ManyClients, ShareABusEquallyThoughOneHasTwoHundredRequestsWaiting) {
   constexpr unsigned kRounds = 40;
-  start("pipeline = 201", "coalesce = false\nframe_gap = \"0ms\"");
+  start("", "coalesce = false\nframe_gap = \"0ms\"");
   ask_all([](unsigned number) {
     ByteString all;
     for (unsigned turn = 0; turn < (number == 0 ? 200 : kRounds); ++turn) {

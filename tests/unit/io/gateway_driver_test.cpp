@@ -252,10 +252,10 @@ TEST_F(GatewayDriverTest, WhatComesWhileItStandsStillBehindAReadingIsOld) {
   ASSERT_TRUE(wait_for([&] { return opened_ == 1; }));
   TestClient client(context_, address_);
   ASSERT_TRUE(wait_for([&] { return driver_->status().clients == 1; }));
-  // Unit 5: write 1 to register 0x0010. A write waits 530 ms.
+  // Unit 5: write 1 to register 0x0010. A write waits 795 ms.
   const std::string write{"\x00\x01\x00\x00\x00\x06\x05\x06\x00\x10\x00\x01", 12};
   ASSERT_TRUE(client.send(write));
-  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1000));
   ConnectionEvents& events = *driver_;
   events.client_bytes(gateway::ClientId{0}, {}, 0);
   const std::string expected{"\x00\x01\x00\x00\x00\x03\x05\x86\x06", 9};

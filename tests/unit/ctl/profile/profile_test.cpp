@@ -182,7 +182,7 @@ TEST(ProfileJson, HasWritesAndBroadcasts) {
             R"({"form":"standard","most_registers":null,"allowed":null})");
   const auto aic = boost::json::parse(show("aic", true).out);
   EXPECT_EQ(member(aic, "broadcast"),
-            R"({"form":"autonics","most_registers":2,"allowed":[{"table":"coils","first":11,)"
+            R"({"form":"own","most_registers":2,"allowed":[{"table":"coils","first":11,)"
             R"("registers":17,"number":"0x000B","name":"","line":null}]})");
 }
 

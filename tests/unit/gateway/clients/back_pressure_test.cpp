@@ -109,14 +109,14 @@ TEST(Gateway, ADeadlineThatPassedMeans06AndNoTransmission) {
     rig.receive(2, read_request(transaction, 9));  // silent: 2 x 107 ms each
   }
   rig.receive(1, write_request(5) + write_request(6) + write_request(7) + write_request(8) +
-                     write_request(9));
-  rig.advance(1s);
+                     write_request(9) + write_request(10));
+  rig.advance(1100ms);
   // The first goes after the read on the wire, and each is unanswered for 100 ms and leaves its
-  // device alone for as long again: the fifth would come after its 800 ms.
+  // device alone for as long again: the sixth would come after its 1002.5 ms.
   const auto sent = rig.take_sent(1);
-  ASSERT_THAT(sent, SizeIs(5));
-  EXPECT_THAT(sent, testing::Contains("00 09 00 00 00 03 01 86 06"));
-  EXPECT_LT(std::ranges::count(rig.take_transmitted(), "01 06 00 00 00 01 48 0A"), 5);
+  ASSERT_THAT(sent, SizeIs(6));
+  EXPECT_THAT(sent, testing::Contains("00 0A 00 00 00 03 01 86 06"));
+  EXPECT_LT(std::ranges::count(rig.take_transmitted(), "01 06 00 00 00 01 48 0A"), 6);
 }
 
 class PausedClient : public testing::Test {

@@ -15,9 +15,10 @@ using testing::IsEmpty;
 constexpr auto kDeadlineRead = "0007 0000 0006 01  03 001E 0002";
 constexpr auto kDeadlineWrite = "0008 0000 0006 01  06 007C 00E1";
 
-TEST(Deadlines, WritesWaitThreeResponseTimeoutsAndALittleReadsNoLess) {
+// 264 characters at 19200 take 151.25 ms.
+TEST(Deadlines, WritesWaitTwoTransactionsAndALittleReadsNoLess) {
   for (const auto& [timeout, write, read] :
-       {std::tuple{1s, 3500ms, 5000ms}, std::tuple{2s, 6500ms, 6500ms}}) {
+       {std::tuple{1s, 2802500us, 5s}, std::tuple{3s, 6802500us, 6802500us}}) {
     Settings settings = one_bus();
     settings.buses[0].timing.response_timeout = timeout;
     MachineRig rig(settings, false);  // the line is not there yet
@@ -25,13 +26,13 @@ TEST(Deadlines, WritesWaitThreeResponseTimeoutsAndALittleReadsNoLess) {
     rig.receive(1, kDeadlineWrite);
     rig.connect(2);
     rig.receive(2, kDeadlineRead);
-    rig.advance(write - 1ms);
+    rig.advance(write - 1us);
     EXPECT_THAT(rig.take_sent(1), IsEmpty());
-    rig.advance(1ms);
+    rig.advance(1us);
     EXPECT_THAT(rig.take_sent(1), ElementsAre("00 08 00 00 00 03 01 86 06"));
-    rig.advance(read - write - 1ms);
+    rig.advance(std::max<Duration>(read - write - 1us, 0us));
     EXPECT_EQ(rig.take_sent(2).size(), read == write ? 1U : 0U);
-    rig.advance(1ms);
+    rig.advance(1us);
     EXPECT_EQ(rig.take_sent(2).size(), read == write ? 0U : 1U);
   }
 }
@@ -44,7 +45,7 @@ TEST(Deadlines, CountFromTheFirstByteOfARequest) {
   rig.receive(1, "00");
   rig.advance(1s);
   rig.receive(1, "08 0000 0006 01  06 007C 00E1");
-  rig.advance(2499ms);
+  rig.advance(1802ms);  // of 2802.5 ms
   EXPECT_THAT(rig.take_sent(1), IsEmpty());
   rig.advance(1ms);
   EXPECT_EQ(rig.take_sent(1).size(), 1U);
@@ -98,7 +99,7 @@ TEST(Deadlines, LeaveTheRestOfTheirTimeToWhatIsReadAfterAShortStall) {
   rig.advance(10s);
   rig.harness.handle(gateway::Stalled{600ms});
   rig.receive(1, kDeadlineWrite);
-  rig.advance(199ms);  // of 800 ms
+  rig.advance(402ms);  // of 1002.5 ms
   EXPECT_THAT(rig.take_sent(1), IsEmpty());
   rig.advance(1ms);
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 08 00 00 00 03 01 86 06"));

@@ -126,7 +126,8 @@ TEST_F(FailsafeWrites, AreNotRepeatedForAClientThatAsksAgain) {
 TEST_F(FailsafeWrites, AreNoLongerDueWhenTheClientThatCountsAsksTheDeviceAgain) {
   rig_.lose_line();
   leave();
-  rig_.connect(2);  // is no reason yet
+  rig_.advance(2s);  // the line has not been opened in time
+  rig_.connect(2);   // is no reason yet
   rig_.receive(2, read_request(1, 2));
   rig_.connect(3, "192.0.2.3");
   rig_.receive(3, read_request(1, 1));  // does not count
