@@ -178,8 +178,8 @@ void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, In
   ++entry.counters.timeouts;
   entry.hold.note_unanswered(sent_of(transmission, end.due, end.may_be_echo));
   entry.stop_unanswered = entry.stop_unanswered || transmission.is_stop();
-  // For a stop: it is neither answered nor unanswered.
-  const bool is_cut = now + transmission.hurried_by < end.due;
+  // For a stop: it is neither answered nor unanswered. Stops that cut each other short are.
+  const bool is_cut = now + transmission.hurried_by < end.due && !transmission.is_stop();
   if (is_cut) {
     parts_.probes.note_unanswered(transmission, now);
   } else if (!end.may_be_echo) {

@@ -18,7 +18,7 @@ constexpr auto kDeadlineWrite = "0008 0000 0006 01  06 007C 00E1";
 // 264 characters at 19200 take 151.25 ms.
 TEST(Deadlines, WritesWaitTwoTransactionsAndALittleReadsNoLess) {
   for (const auto& [timeout, write, read] :
-       {std::tuple{1s, 2802500us, 5s}, std::tuple{3s, 6802500us, 6802500us}}) {
+       {std::tuple{1s, 2802500us, 5000000us}, std::tuple{3s, 6802500us, 6802500us}}) {
     Settings settings = one_bus();
     settings.buses[0].timing.response_timeout = timeout;
     MachineRig rig(settings, false);  // the line is not there yet
