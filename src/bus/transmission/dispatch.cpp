@@ -140,8 +140,9 @@ void Dispatch::wait_for_line(Instant now) {
     return;
   }
   const Duration deadline = stop_deadline(parts_.settings);
-  while (Transmission* stop = parts_.stops.find(
-             [&](const Transmission& it) { return now >= it.waits_since + deadline; })) {
+  while (Transmission* stop = parts_.stops.find([&](const Transmission& it) {
+    return parts_.stopping || now >= it.waits_since + deadline;
+  })) {
     parts_.stops.remove(*stop);
     ends_.finish(*stop, Ending::closed);
   }
