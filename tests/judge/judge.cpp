@@ -84,6 +84,7 @@ void Judge::sent(Id id) {
   }
   check_silence(id);
   check_waiting(id);
+  check_gap(id);
   check_hold(id);
   check_crawl(id);
   check_half(id);

@@ -92,6 +92,7 @@ class Judge : public Witness {
   // truth_wire.cpp: one transaction at a time, with silence; who may still answer is left alone.
   void check_silence(Id id);
   void check_waiting(Id id);
+  void check_gap(Id id);
   void check_hold(Id id);
   void check_crawl(Id id);
   void check_half(Id id);

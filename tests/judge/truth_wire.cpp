@@ -43,6 +43,24 @@ void Judge::check_silence(Id id) {
   }
 }
 
+// `gap_after_write`, at least from when the write has left.
+void Judge::check_gap(Id id) {
+  constexpr Id kFarBack = 64;
+  const Sent& sent = ledger_.sent[id];
+  if (!sent.station || sent.is_stop || sent.is_failsafe) {
+    return;
+  }
+  const Duration gap = plan_.timing_of(plan_.stations[*sent.station]).gap_after_write;
+  for (Id at = id; gap > 0ms && at > 0 && at + kFarBack > id; --at) {
+    const Sent& before = ledger_.sent[at - 1];
+    if (before.station == sent.station && !before.cells.empty() && !before.is_broadcast &&
+        before.process == sent.process && ledger_.reloaded < before.begin &&
+        sent.begin + kRounding < before.end + gap) {
+      violation("gap", name(sent) + " behind " + name(before));
+    }
+  }
+}
+
 // Where nothing at all came, an answer may still come until its timeout.
 void Judge::check_waiting(Id id) {
   const Sent& sent = ledger_.sent[id];

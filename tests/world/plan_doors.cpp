@@ -15,6 +15,7 @@ namespace {
 constexpr unsigned kFirstUnit = 1;
 constexpr std::uint64_t kRangesChance = 0x52414E47ULL;
 constexpr std::uint64_t kFormsChance = 0x464F524DULL;
+constexpr std::uint64_t kGapsChance = 0x47415053ULL;
 
 void add_listeners(Plan& plan, Random& random) {
   auto& listeners = plan.settings.listeners;
@@ -169,8 +170,20 @@ void draw_forms(Plan& plan) {
   }
 }
 
+// A quarter of the drives of such a plant must be left alone after each write.
+void draw_gaps(Plan& plan) {
+  Random random(plan.seed ^ kGapsChance);
+  const bool has_some = random.chance(200);
+  for (const Station& station : plan.stations) {
+    const bool is_one = random.chance(250);
+    const Duration gap = random.duration(2ms, 40ms);
+    plan.settings.devices[*station.device].timing.gap_after_write = has_some && is_one ? gap : 0ms;
+  }
+}
+
 void draw_doors(Plan& plan, Random& random) {
   draw_forms(plan);
+  draw_gaps(plan);
   add_listeners(plan, random);
   unsigned unit = kFirstUnit;
   for (std::size_t at = 0; at < plan.stations.size(); ++at) {

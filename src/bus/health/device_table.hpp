@@ -80,6 +80,11 @@ struct DeviceEntry {
   void hold_booting(std::optional<Duration> boot_time, Instant now) {
     free_at = boot_time ? std::max(free_at, now + *boot_time) : free_at;
   }
+  /// `gap_after_write`
+  void hold_after(const modbus::Request& request, Instant now) {
+    const Duration gap = request.is_read() ? Duration{0} : timing().gap_after_write;
+    free_at = gap > Duration{0} ? std::max(free_at, now + gap) : free_at;
+  }
   /// A frame of the device was received: it is there.
   void note_heard() { stop_unanswered = stops_given_up = false; }
   /// Another device is at this address now. What is still owed there, and what is decided, stays.

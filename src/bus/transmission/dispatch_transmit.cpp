@@ -67,6 +67,10 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
   const auto silent_since = quiet_since();
   diagnosis_.note_begins(now);
   TransmitFrame frame{parts_.line.begin(sent, timing, std::move(owed), now)};
+  if (!sent.is_broadcast()) {
+    // Should the line be lost before its end, it may have been carried out.
+    parts_.devices[sent.address].hold_after(sent.request, parts_.line.possible_at());
+  }
   if (parts_.is_traced) {
     parts_.actions.push(TransmissionBegan{title_of(transmission), sent.address, sent.is_broadcast(),
                                           transmission.tries, silent_since, quiet_since()});

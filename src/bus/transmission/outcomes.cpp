@@ -65,8 +65,8 @@ void Outcomes::handle_end(LineEnd end, Instant now) {
     case LineEnd::How::damaged:
     case LineEnd::How::misfit: handle_unreadable(transmission, end, now); break;
   }
-  if (!sent.request.is_read() && !sent.is_broadcast()) {
-    entry.free_at = std::max(entry.free_at, now + entry.timing().gap_after_write);
+  if (!sent.is_broadcast()) {
+    entry.hold_after(sent.request, now);
   }
   const bool is_owed = end.how != LineEnd::How::response || now < entry.hold.until(entry.timing());
   if (asked.wants_answer && is_owed) {
