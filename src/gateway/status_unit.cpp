@@ -49,39 +49,15 @@ void put_quality(Block& block, const bus::QualityVerdict& verdict) {
   block.push_back(saturated(verdict.quality == bus::Quality::bad_crc ? verdict.percent() : 0));
 }
 
-// Its counter is gone, and the others keep their registers.
-constexpr std::uint64_t kNoCounter = 0;
-
 Block bus_block(const bus::Bus& bus) {
   const bus::BusCounters& counters = bus.counters();
   Block block{static_cast<std::uint16_t>(bus.link().serves() ? 1 : 0),
               saturated(bus.view().waiting())};
-  for (const std::uint64_t count : {counters.transmissions,
-                                    counters.responses,
-                                    counters.exceptions,
-                                    counters.timeouts,
-                                    counters.bad_crcs,
-                                    counters.unsolicited_frames,
-                                    counters.stray_bytes,
-                                    counters.noise_bytes,
-                                    counters.echo_mismatches,
-                                    counters.expired,
-                                    counters.refused_full,
-                                    counters.losses,
-                                    counters.retries,
-                                    counters.broadcasts,
-                                    counters.late_responses,
-                                    counters.early_responses,
-                                    counters.foreign_frames,
-                                    counters.shared_reads,
-                                    kNoCounter,
-                                    counters.cached_reads,
-                                    counters.stops,
-                                    counters.stops_unanswered,
-                                    counters.overtaken_writes,
-                                    counters.probes,
-                                    counters.refused_offline,
-                                    counters.evicted}) {
+  std::array<std::uint64_t, bus::kCounterPlaces> counts{};
+  for (const bus::CounterKind& counter : bus::kBusCounters) {
+    counts.at(counter.place) = counters.*counter.member;
+  }
+  for (const std::uint64_t count : counts) {
     put32(block, count);
   }
   put_quality(block, bus.diagnosis().quality().verdict());

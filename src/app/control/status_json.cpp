@@ -60,31 +60,11 @@ object quality_json(const bus::QualityVerdict& verdict) {
 }
 
 object counters_json(const bus::BusCounters& counters) {
-  return {{"transmissions", counters.transmissions},
-          {"broadcasts", counters.broadcasts},
-          {"retries", counters.retries},
-          {"responses", counters.responses},
-          {"exceptions", counters.exceptions},
-          {"timeouts", counters.timeouts},
-          {"bad_crcs", counters.bad_crcs},
-          {"late_responses", counters.late_responses},
-          {"early_responses", counters.early_responses},
-          {"unsolicited_frames", counters.unsolicited_frames},
-          {"foreign_frames", counters.foreign_frames},
-          {"stray_bytes", counters.stray_bytes},
-          {"noise_bytes", counters.noise_bytes},
-          {"echo_mismatches", counters.echo_mismatches},
-          {"expired", counters.expired},
-          {"refused_full", counters.refused_full},
-          {"refused_offline", counters.refused_offline},
-          {"evicted", counters.evicted},
-          {"losses", counters.losses},
-          {"shared_reads", counters.shared_reads},
-          {"cached_reads", counters.cached_reads},
-          {"stops", counters.stops},
-          {"stops_unanswered", counters.stops_unanswered},
-          {"overtaken_writes", counters.overtaken_writes},
-          {"probes", counters.probes}};
+  object json;
+  for (const bus::CounterKind& counter : bus::kBusCounters) {
+    json[counter.name] = counters.*counter.member;
+  }
+  return json;
 }
 
 object bus_json(const BusStatus& bus) {
