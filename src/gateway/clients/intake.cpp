@@ -104,7 +104,7 @@ void Intake::apply_rules(const ClientSession& session, Request& request) const {
 
 void Intake::judge(const ClientSession& session, Request& request, Instant now) {
   if (is_outdated(session, request)) {
-    request.for_gateway = request.is_stop = false;
+    request.for_gateway = false;
     request.plan.reset();
     request.refused = ExceptionCode::server_device_busy;
   } else {
@@ -144,9 +144,11 @@ std::optional<ExceptionCode> Intake::objection(const ClientSession& session, con
 }
 
 // Its client meant the drive to which the unit led then. Where it leads nowhere now, that is said.
+// A stop goes all the same: what lies in a socket may count as older than it is, and a stop that is
+// refused for that is a stop lost.
 bool Intake::is_outdated(const ClientSession& session, const Request& request) const {
   const auto changed = changed_at_.find({session.info().listener, request.adu.header.unit});
-  return changed != changed_at_.end() && request.arrival < changed->second &&
+  return !request.is_stop && changed != changed_at_.end() && request.arrival < changed->second &&
          (request.route != nullptr || request.for_gateway);
 }
 

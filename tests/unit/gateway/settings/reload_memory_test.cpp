@@ -127,6 +127,17 @@ TEST(ReloadMemory, AStopThatComesAfterwardsIsTakenFromBehindAFullPipeline) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, kStop2));
 }
 
+// What lies in a socket may count as older than it is, and no stop may be lost for that.
+TEST(ReloadMemory, AStopThatCountsAsOlderGoesToTheDriveOfToday) {
+  MachineRig rig(stop_plant());
+  rig.connect(1);
+  rig.receive(1, "00 01 00 00 00 06 01 06 00");
+  rig.advance(1ms);
+  rig.reload(moved(stop_plant()));
+  rig.receive(1, "7C 00 E1");
+  EXPECT_THAT(take_requests(rig), ElementsAre(kStop2));
+}
+
 // The process notices by up to a beat too much how long it stood still.
 TEST(ReloadMemory, NorIsAStopThatIsReadAfterAStallOlderThanItsConnection) {
   MachineRig rig(stop_plant());
