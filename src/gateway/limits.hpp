@@ -14,8 +14,8 @@ namespace mbgate::gateway {
 /// The driver reads a socket in pieces of at most this size.
 inline constexpr std::size_t kClientReadSize = 2048;
 
-/// Requests of a connection that may be outstanding, answers that were not sent yet included: more
-/// than any client waits for. Beyond that its socket is not read.
+/// Requests of a connection that may be unanswered, more than any client waits for; with answers
+/// that were not sent yet so many that its socket is not read.
 inline constexpr std::size_t kRequestsOutstanding = 64;
 
 /// Requests of all connections that may be outstanding: about 64 MB. Beyond that they get 06.

@@ -51,7 +51,8 @@ void ClientSession::half_close() {
 }
 
 std::optional<ClientSession::Reading> ClientSession::update_reading(Instant now) {
-  if (is_full() == paused_) {
+  // Who does not read its answers is not read either, but what was read may hold a stop.
+  if ((answers.outstanding() >= kRequestsOutstanding) == paused_) {
     return std::nullopt;
   }
   paused_ = !paused_;

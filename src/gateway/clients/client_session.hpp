@@ -29,9 +29,8 @@ class ClientSession {
   /// New settings of the listener.
   void adopt(const ListenerSettings& listener);
 
-  /// Are as many requests outstanding as a connection may have? No other is taken then, and the
-  /// socket is not read.
-  [[nodiscard]] bool is_full() const { return answers.outstanding() >= kRequestsOutstanding; }
+  /// Are as many requests unanswered as a connection may have? No other is taken then.
+  [[nodiscard]] bool is_full() const { return answers.unanswered() >= kRequestsOutstanding; }
   /// May a request go on to the buses?
   [[nodiscard]] bool has_room_on_buses() const {
     return exchanges.size() - held.size() < listener_->pipeline;

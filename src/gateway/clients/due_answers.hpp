@@ -23,8 +23,10 @@ class DueAnswers {
   /// Are answers sent in the order of the requests? As it was when the client connected, because
   /// answers may already be held back.
   [[nodiscard]] bool is_ordered() const { return ordered_; }
-  /// Requests whose answer has not been completely written.
-  [[nodiscard]] std::size_t outstanding() const { return open_ + held_.size() + unsent_; }
+  /// Requests whose answer is due.
+  [[nodiscard]] std::size_t unanswered() const { return open_ + held_.size(); }
+  /// And those whose answer has not been completely written.
+  [[nodiscard]] std::size_t outstanding() const { return unanswered() + unsent_; }
 
   /// A request was taken: its answer is due.
   AnswerId open();
