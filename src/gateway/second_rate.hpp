@@ -10,22 +10,25 @@ namespace mbgate::gateway {
 
 class SecondRate {
  public:
-  /// When the next place is: not later than now if it is free. `per_second`: 1 at least.
-  [[nodiscard]] bus::Instant next(unsigned per_second, bus::Instant now) const {
-    return std::max(rested_at_, now) + kSecond / per_second - kSecond;
+  /// Is a place free now? `per_second`: 0: any number.
+  [[nodiscard]] bool has_room(unsigned per_second, bus::Instant now) const {
+    return per_second == 0 || next(per_second, now) <= now;
   }
-  /// Takes that place, and returns when it is.
-  bus::Instant take(unsigned per_second, bus::Instant now) {
-    const bus::Instant place = next(per_second, now);
-    take(place);
-    return place;
+  /// Takes the next place.
+  void take(unsigned per_second, bus::Instant now) {
+    if (per_second > 0) {
+      rested_at_ = next(per_second, now) + kSecond;
+    }
   }
-  void take(bus::Instant place) { rested_at_ = place + kSecond; }
   /// Has there been a pause of a second, or what counts as one?
   [[nodiscard]] bool is_rested(bus::Instant now) const { return rested_at_ <= now; }
   [[nodiscard]] bus::Instant rested_at() const { return rested_at_; }
 
  private:
+  [[nodiscard]] bus::Instant next(unsigned per_second, bus::Instant now) const {
+    return std::max(rested_at_, now) + kSecond / per_second - kSecond;
+  }
+
   static constexpr bus::Duration kSecond = std::chrono::seconds(1);
   bus::Instant rested_at_ = bus::Instant::min();
 };

@@ -65,9 +65,4 @@ Result<modbus::Request, ExceptionCode> through_windows(std::span<const AddressWi
                                 writes ? std::optional(writes->first) : std::nullopt);
 }
 
-const AddressWindow* window_of(std::span<const AddressWindow> windows,
-                               const modbus::Request& request) {
-  return request.reads() ? find(windows, request.reads()->range) : nullptr;
-}
-
 }  // namespace mbgate::routing

@@ -16,8 +16,4 @@ namespace mbgate::routing {
 Result<modbus::Request, modbus::ExceptionCode> through_windows(
     std::span<const AddressWindow> windows, const modbus::Request& request);
 
-/// The window that a read goes through; nullptr if there is none.
-const AddressWindow* window_of(std::span<const AddressWindow> windows,
-                               const modbus::Request& request);
-
 }  // namespace mbgate::routing

@@ -27,7 +27,7 @@ bool AccessBook::has_room(const routing::AccessRule* rule, const ClientKey& clie
   }
   const auto known = rates_.find({rule, client});
   if (known != rates_.end()) {
-    return known->second.next(rule->per_second, now) <= now;
+    return known->second.has_room(rule->per_second, now);
   }
   if (rates_.size() >= kRatedClients) {
     std::erase_if(rates_, [now](const auto& entry) { return entry.second.is_rested(now); });

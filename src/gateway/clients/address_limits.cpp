@@ -16,16 +16,14 @@ bool AddressLimits::comes_too_often(const ClientInfo& info, const ListenerSettin
                                     Instant now) const {
   const unsigned most = listener.max_connects_per_second;
   const auto known = entries_.find(place_of(info, listener));
-  return most > 0 && known != entries_.end() && known->second.connects.next(most, now) > now;
+  return known != entries_.end() && !known->second.connects.has_room(most, now);
 }
 
 void AddressLimits::came(const ClientSession& session, Instant now) {
   forget(now);
   Entry& entry = entries_[place_of(session)];
   ++entry.connections;
-  if (const unsigned most = session.listener().max_connects_per_second; most > 0) {
-    entry.connects.take(most, now);
-  }
+  entry.connects.take(session.listener().max_connects_per_second, now);
 }
 
 void AddressLimits::left(const ClientSession& session) {
@@ -54,13 +52,11 @@ void AddressLimits::forget(Instant now) {
 bool AddressLimits::may_ask(const ClientSession& session, Instant now) {
   const unsigned most = session.listener().max_requests_per_second;
   SecondRate& requests = entries_.at(place_of(session)).requests;
-  if (most == 0 || requests.next(most, now) <= now) {
-    if (most > 0) {
-      requests.take(most, now);
-    }
-    return true;
+  const bool has_room = requests.has_room(most, now);
+  if (has_room) {
+    requests.take(most, now);
   }
-  return false;
+  return has_room;
 }
 
 bool AddressLimits::is_to_be_told(const ClientSession& session, Instant now) {

@@ -20,9 +20,6 @@ class DueAnswers {
 
   explicit DueAnswers(bool ordered) : ordered_(ordered) {}
 
-  /// Are answers sent in the order of the requests? As it was when the client connected, because
-  /// answers may already be held back.
-  [[nodiscard]] bool is_ordered() const { return ordered_; }
   /// Requests whose answer is due.
   [[nodiscard]] std::size_t unanswered() const { return open_ + held_.size(); }
   /// And those whose answer has not been completely written.

@@ -39,24 +39,26 @@ Intake::Front Intake::front(ClientSession& session) {
 }
 
 Request& Intake::take(ClientSession& session, const modbus::MbapFrame& frame, Instant now) {
-  Request& request = understand(session, frame.adu);
-  judge(session, request, now);
-  session.pass(frame.size);
   ++counters_.requests;
-  return request;
+  return read(session, frame, now);
 }
 
 Request* Intake::take_stop(ClientSession& session, Instant now) {
   for (Front next = front(session); next.frame; next = front(session)) {
-    Request& request = understand(session, next.frame->adu);
-    judge(session, request, now);
-    session.pass(next.frame->size);
+    Request& request = read(session, *next.frame, now);
     if (request.is_stop && !request.refused) {
       ++counters_.requests;
       return &request;
     }
   }
   return nullptr;
+}
+
+Request& Intake::read(ClientSession& session, const modbus::MbapFrame& frame, Instant now) {
+  Request& request = understand(session, frame.adu);
+  judge(session, request, now);
+  session.pass(frame.size);
+  return request;
 }
 
 Request& Intake::understand(const ClientSession& session, const modbus::MbapAdu& adu) {

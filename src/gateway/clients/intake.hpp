@@ -71,6 +71,7 @@ class Intake {
   void adopt(const SettingsSnapshot& before, Instant now);
 
  private:
+  Request& read(ClientSession& session, const modbus::MbapFrame& frame, Instant now);
   Request& understand(const ClientSession& session, const modbus::MbapAdu& adu);
   void apply_rules(const ClientSession& session, Request& request) const;
   void judge(const ClientSession& session, Request& request, Instant now);

@@ -156,14 +156,13 @@ bool Requests::is_wanted(const Exchange& exchange, Instant now) const {
 // Beyond `pipeline` requests are held here, in their order; stops are not.
 void Requests::start_or_hold(ClientSession& session, std::uint32_t index, bool is_stop,
                              Instant now) {
-  Exchange& exchange = exchanges_[index];
-  const std::size_t on_buses = session.exchanges.size() - session.held.size();
-  if (is_stop || exchange.client_gone || on_buses <= session.listener().pipeline) {
+  if (is_stop) {
     exchanges_.start(index, *session.turns, now);
     return;
   }
-  exchange.is_held = true;
+  exchanges_[index].is_held = true;
   session.held.push_back(index);
+  start_held(session, now);
 }
 
 void Requests::start_held(ClientSession& session, Instant now) {

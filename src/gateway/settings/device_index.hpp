@@ -16,7 +16,6 @@ namespace mbgate::gateway {
 
 /// Places in Settings::devices.
 using DevicePlaces = boost::container::small_vector<std::size_t, 4>;
-using BusList = boost::container::small_vector<drive::BusId, 1>;
 
 class DeviceIndex {
  public:

@@ -23,7 +23,7 @@ RecordGate::Turn RecordGate::turn(bus::Instant at) {
   if (!has_passed_) {
     return Turn::wait;
   }
-  if (without_data_.next(kMostWithoutData, at) > at) {
+  if (!without_data_.has_room(kMostWithoutData, at)) {
     return Turn::too_many;
   }
   without_data_.take(kMostWithoutData, at);

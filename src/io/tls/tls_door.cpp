@@ -8,19 +8,6 @@
 #include "io/clock.hpp"
 
 namespace mbgate::io {
-namespace {
-
-bool has_room(const gateway::SecondRate& rate, unsigned per_second, bus::Instant at) {
-  return per_second == 0 || rate.next(per_second, at) <= at;
-}
-
-void take_place(gateway::SecondRate& rate, unsigned per_second, bus::Instant at) {
-  if (per_second > 0) {
-    rate.take(per_second, at);
-  }
-}
-
-}  // namespace
 
 void TlsDoor::use(ListenerContexts contexts) {
   contexts_ = std::move(contexts);
@@ -57,10 +44,10 @@ std::string TlsDoor::begin(const TlsPlace& place, const gateway::HandshakeSettin
   });
   const routing::ClientAddress counted = place.address.counted_as();
   OfClient& client = listener.clients[counted];
-  if (!has_room(client.begun, limits.per_second_for_one_client, at)) {
+  if (!client.begun.has_room(limits.per_second_for_one_client, at)) {
     return "too many handshakes of one client (max_handshakes_per_second_per_client)";
   }
-  if (!has_room(listener.begun, limits.per_second, at)) {
+  if (!listener.begun.has_room(limits.per_second, at)) {
     return "too many handshakes (max_handshakes_per_second)";
   }
   if (client.under_way >= limits.for_one_client &&
@@ -71,8 +58,8 @@ std::string TlsDoor::begin(const TlsPlace& place, const gateway::HandshakeSettin
       !make_room(listener, nullptr, "max_handshakes")) {
     return "too many handshakes at a time (max_handshakes)";
   }
-  take_place(client.begun, limits.per_second_for_one_client, at);
-  take_place(listener.begun, limits.per_second, at);
+  client.begun.take(limits.per_second_for_one_client, at);
+  listener.begun.take(limits.per_second, at);
   note_begun(place);
   return {};
 }
