@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The clients that read the trace. Used on the thread of the HTTP interface alone.
+// The clients that read the trace. Used only on the thread of the HTTP interface.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -40,27 +40,27 @@ class TraceStreams {
 
  private:
   /// How many there are, and who is told of it.
-  struct Audience {
+  struct Subscribers {
     std::size_t size = 0;
     Switch set_traced;
   };
   /// One of them, as long as it is there.
-  class Seat {
+  class Subscription {
    public:
-    explicit Seat(std::shared_ptr<Audience> audience);
-    Seat(const Seat&) = delete;
-    Seat& operator=(const Seat&) = delete;
-    ~Seat();
+    explicit Subscription(std::shared_ptr<Subscribers> subscribers);
+    Subscription(const Subscription&) = delete;
+    Subscription& operator=(const Subscription&) = delete;
+    ~Subscription();
 
    private:
-    std::shared_ptr<Audience> audience_;
+    std::shared_ptr<Subscribers> subscribers_;
   };
 
   /// What is to be sent after the record `last`, which moves on; nothing if it is still to come.
   std::string next_text(const TraceFilter& filter, std::uint64_t& last) const;
 
   StreamReaders readers_;
-  std::shared_ptr<Audience> audience_ = std::make_shared<Audience>();
+  std::shared_ptr<Subscribers> subscribers_ = std::make_shared<Subscribers>();
   TraceRing ring_;
   std::uint64_t numbered_ = 0;  ///< records, also those that were lost
 };
