@@ -29,7 +29,7 @@ constexpr std::chrono::seconds kAcceptPause{1};
 constexpr int kForOperators = 16;
 /// Of the connections over one kind of socket, a client (an address, or a user) may have these.
 constexpr std::size_t kMostOfOne = gateway::kHttpConnections / 4;
-/// Whoever comes from more addresses than these is told of again.
+/// After this many refused addresses the list begins anew, and one may be reported again.
 constexpr std::size_t kMostReported = 1000;
 
 /// False for want of memory: the next one may find some.

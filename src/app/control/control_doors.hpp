@@ -28,7 +28,7 @@ namespace mbgate::app {
 
 class ControlDoors {
  public:
-  /// `place` is to be held as long as it is a connection, and told what that does.
+  /// Keep `place` as long as the connection exists, and tell it what the connection does.
   struct Entered {
     std::shared_ptr<ControlStream> stream;
     bool over_tcp = false;
@@ -36,7 +36,7 @@ class ControlDoors {
     std::shared_ptr<HttpPlaces::Place> place;
   };
   using Enter = std::function<void(Entered)>;
-  /// Told of an address that may not connect, once.
+  /// Called once for each address that may not connect.
   using Refused = std::function<void(const std::string& address)>;
   using UnixAcceptor = std::shared_ptr<boost::asio::local::stream_protocol::acceptor>;
   using TcpAcceptor = std::shared_ptr<boost::asio::ip::tcp::acceptor>;
@@ -80,7 +80,7 @@ class ControlDoors {
   std::multimap<routing::ListenerId, TcpAcceptor> tcp_;
   HttpPlaces of_unix_;
   HttpPlaces of_tcp_;
-  std::set<routing::ClientAddress> reported_;  ///< addresses that refused_ was told of
+  std::set<routing::ClientAddress> reported_;  ///< addresses that refused_ was called for
 };
 
 }  // namespace mbgate::app

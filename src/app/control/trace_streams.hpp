@@ -22,7 +22,7 @@ namespace mbgate::app {
 
 class TraceStreams {
  public:
-  /// Told when the first one comes and when the last one has gone; perhaps after this object has.
+  /// Called when the first one comes and when the last one has gone, perhaps after this object.
   using Switch = std::function<void(bool)>;
 
   explicit TraceStreams(Switch set_traced);
@@ -39,7 +39,7 @@ class TraceStreams {
                                     std::function<std::string()> beside);
 
  private:
-  /// How many there are, and who is told of it.
+  /// How many there are, and what is called when the first comes and the last has gone.
   struct Subscribers {
     std::size_t size = 0;
     Switch set_traced;
