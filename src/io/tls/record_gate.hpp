@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gives OpenSSL one record of the peer at a time. OpenSSL would otherwise read on until there is
-// data, which never comes while the peer sends only records without any (new keys, renegotiations,
-// pieces of a handshake).
+// Lets OpenSSL have one record of the other end at a time. Of its own it reads on until there is
+// data: as long as the other end sends records without any (new keys, renegotiations, pieces of a
+// handshake), which may be for ever.
 #pragma once
 
 #include <array>

@@ -43,10 +43,9 @@ std::optional<std::string> expect_name(SSL& ssl, const std::string& name) {
     return std::nullopt;
   }
   ERR_clear_error();  // it is no address
-  std::string sent_name = name;
+  std::string told = name;
   if (!is_name || X509_VERIFY_PARAM_set1_host(wanted, name.c_str(), name.size()) != 1 ||
-      SSL_ctrl(&ssl, SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name, sent_name.data()) !=
-          1) {
+      SSL_ctrl(&ssl, SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name, told.data()) != 1) {
     return "server_name: no certificate can be for such a name (" + take_openssl_error() + ")";
   }
   return std::nullopt;
