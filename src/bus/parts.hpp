@@ -46,9 +46,8 @@ struct Parts {
     return others;
   }
 
-  /// Are devices held in quarantine? Not on Modbus TCP, where the transaction identifier tells late
-  /// answers apart.
-  [[nodiscard]] bool quarantines() const { return settings.line.framing != Framing::tcp; }
+  /// Are devices held in quarantine? Not where transaction identifiers tell late answers apart.
+  [[nodiscard]] bool quarantines() const { return !settings.has_identifiers(); }
   /// Does a Modbus TCP server say that it did not reach the device? Then the device has not
   /// answered.
   [[nodiscard]] bool is_unreached(const modbus::Pdu& response) const {
