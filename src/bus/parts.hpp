@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bus consists of. Each part owns its data, and none knows the others. Functions that decide
-// (turns, stop_order) only look at the parts. Classes that act (Admission, Dispatch, Outcomes,
+// What a bus consists of. Each part owns its data, and none knows the others. What decides
+// (Scheduler, readiness) only looks at the parts. Classes that act (Admission, Dispatch, Outcomes,
 // JobEnds) change them.
 #pragma once
 
@@ -16,9 +16,9 @@
 #include "bus/link_state.hpp"
 #include "bus/queue/acknowledged_stops.hpp"
 #include "bus/queue/bus_queue.hpp"
+#include "bus/queue/last_sent.hpp"
 #include "bus/queue/payback.hpp"
 #include "bus/queue/stop_lane.hpp"
-#include "bus/queue/turn_book.hpp"
 #include "bus/transmission/transmission.hpp"
 
 namespace mbgate::bus {
@@ -62,7 +62,7 @@ struct Parts {
   Transmissions transmissions;
   StopLane stops;  // links transmissions: destroyed before them
   AcknowledgedStops acknowledged;
-  TurnBook turns;
+  LastSent last_sent;
   Payback payback;
   Probes probes;
   AdapterWatch adapter;
