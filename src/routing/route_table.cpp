@@ -2,11 +2,21 @@
 #include "routing/route_table.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "modbus/rtu.hpp"
 #include "routing/broadcast_plan.hpp"
 
 namespace mbgate::routing {
+namespace {
+
+// Addresses that the specification reserves (Serial Line V1.02, 2.2), and some devices have all the
+// same. 255 is the gateway itself.
+bool is_reserved(std::uint8_t address) {
+  return address > modbus::kMaxDeviceAddress && address < std::numeric_limits<std::uint8_t>::max();
+}
+
+}  // namespace
 
 RouteTable::RouteTable(std::span<const ListenerKind> listeners, std::span<const Route> routes,
                        std::span<const drive::Device> devices)
@@ -40,6 +50,12 @@ void RouteTable::add_transparent(const ListenerKind& kind, Units& units) {
   route.last_unit = modbus::kMaxDeviceAddress;
   route.functions.change_delimiter = kind.change_delimiter;
   add(route, units);
+  for (const drive::Device& device : devices_) {
+    if (device.bus == *kind.bus && is_reserved(device.address)) {
+      route.first_unit = route.last_unit = route.first_address = device.address;
+      add(route, units);
+    }
+  }
   if (kind.broadcast) {
     Route broadcast;
     broadcast.buses = {*kind.bus};

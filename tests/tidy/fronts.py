@@ -15,7 +15,7 @@ FRONTS = {
     "app/trace": {"trace_filter", "trace_json", "trace_ring"},
     "app/who": {"who_options"},
     "bus/health": {"adapter_watch", "device_table", "line_diagnosis", "line_quality", "probes"},
-    "bus/queue": {"acknowledged_stops", "admission", "bus_queue", "payback", "stop_lane", "stop_order", "turn_book"},
+    "bus/queue": {"acknowledged_stops", "admission", "bus_queue", "last_sent", "payback", "scheduler", "stop_lane"},
     "bus/serial": {"serial_discipline"},
     "bus/sharing": {"read_cache", "shared_read"},
     "bus/tcp": {"tcp_discipline"},

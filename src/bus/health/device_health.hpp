@@ -20,12 +20,10 @@ class DeviceHealth {
   bool note_unanswered(Instant sent, Instant due, unsigned offline_after);
   /// An answer came with a wrong CRC or LRC, or fits in nothing else.
   void note_damaged(Instant now);
-  /// The transmission at `sent` was answered. Returns true if the device was offline, and is back.
-  bool note_answered(Instant sent, Instant now) {
-    answered_sent_ = std::max(answered_sent_, sent);
-    return note_heard(now);
-  }
-  /// A good frame of the device came, however late: the same.
+  /// The transmission at `sent` was answered; note_heard() follows.
+  void note_answered(Instant sent) { answered_sent_ = std::max(answered_sent_, sent); }
+  /// A good frame of the device came, however late. Returns true if the device was offline, and is
+  /// back.
   bool note_heard(Instant now);
   /// Another device is at this address now. What decides stays: the row of unanswered
   /// transmissions; and the state, as long as it is offline, because that is how requests to this

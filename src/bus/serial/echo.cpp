@@ -38,14 +38,14 @@ Echo::Echo(std::optional<bool> setting, BusCounters& counters, LineFaults& fault
 
 void Echo::open() {
   forget();
-  if (learns_) {
+  if (learns_ && !shown_) {
     state_ = State::unknown;
   }
   owed_.clear();
   asked_.reset();
   heard_.reset();
   echoed_ = false;
-  may_answer_ = shown_ = unproven_told_ = false;
+  may_answer_ = unproven_told_ = false;
 }
 
 void Echo::forget() {

@@ -48,9 +48,10 @@ bool is_reached(const Settings& settings, drive::BusId id) {
          });
 }
 
-/// Transparent listeners pass units 1 to 247, and broadcasts if they are told to.
+/// Transparent listeners pass units 1 to 247 and those of devices, but for 255, which is the
+/// gateway; and broadcasts if they are told to.
 bool passes_writes(const gateway::ListenerSettings& listener, const drive::Device& device) {
-  constexpr std::uint8_t kLastUnit = 247;
+  constexpr std::uint8_t kLastUnit = 254;
   return listener.bus == device.bus && (listener.broadcast || device.has_every_unit ||
                                         (device.address >= 1 && device.address <= kLastUnit));
 }

@@ -97,7 +97,7 @@ TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
             : is_commented_setting(line) ? line.substr(2) + "\n"
                                          : line + "\n";
   }
-  EXPECT_EQ(commented, 95);
+  EXPECT_EQ(commented, 96);
   const auto loaded = load_settings_text(kFolder + "mbgate.toml", text);
   EXPECT_EQ(render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
@@ -121,6 +121,7 @@ TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
   EXPECT_EQ(times.probe_timeout, bus.timing.probe_timeout_or_default());
   const bus::BusSettings& cell = loaded.settings->buses.back();
   EXPECT_EQ(cell.check_unit, bus.check_unit);
+  EXPECT_EQ(cell.check_transaction, bus.check_transaction);
   EXPECT_EQ(cell.replace_after, bus.replace_after);
   EXPECT_EQ(cell.line.connection, bus.line.connection);
   EXPECT_EQ(loaded.settings->guards[0].writer_hold, guard.writer_hold);
