@@ -35,7 +35,7 @@ class Log {
   /// send_to_journal(), or a test's replacement for it.
   using Send = std::function<bool(const std::vector<std::string>& fields)>;
 
-  /// What the journal cannot be sent is written to the descriptor.
+  /// Lines that cannot be sent to the journal are written to the descriptor.
   explicit Log(bool for_journal, int descriptor = 2, Send send = send_to_journal);
   Log(const Log&) = delete;
   Log& operator=(const Log&) = delete;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the machine asks for, done.
+// Carries out the actions of the machine.
 #include <chrono>
 
 #include "io/gateway_driver.hpp"

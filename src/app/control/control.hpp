@@ -37,7 +37,7 @@ class Control {
   /// Ends the thread and removes the socket.
   ~Control();
 
-  /// Who may read over TCP, and how many may follow: now or once it has begun.
+  /// Sets who may read over TCP, and how many streams there may be: now or once it has begun.
   void apply(const gateway::HttpSettings& settings);
   /// The first descriptor that no client over TCP may have, now or once it has begun.
   void set_end(int end);

@@ -12,7 +12,7 @@
 
 namespace mbgate::app {
 
-/// What came of a reload.
+/// The result of a reload.
 struct ReloadOutcome {
   bool done = false;
   std::vector<std::string> messages;  ///< what has changed, or why it was refused

@@ -34,7 +34,7 @@ class EventStreams {
   boost::asio::awaitable<void> feed(ControlStream& stream, std::uint64_t after);
 
  private:
-  /// What is to be sent after the event `last`, which moves on; nothing if it is still to come.
+  /// The text to send after the event `last`, which moves on; empty as long as there is none.
   std::string next_text(std::uint64_t& last) const;
 
   StreamReaders readers_;

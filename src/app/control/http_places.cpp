@@ -10,7 +10,7 @@
 namespace mbgate::app {
 namespace {
 
-/// Who has not asked by then counts as idle.
+/// A connection that has not asked by then counts as idle.
 constexpr std::chrono::seconds kNewFor{1};
 
 }  // namespace

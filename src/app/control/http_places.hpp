@@ -54,7 +54,7 @@ class HttpPlaces {
 
   /// Removes those whose connections have ended.
   Held held();
-  /// Who gives a place up for that client; nothing: nobody.
+  /// The connection that gives its place up for that client, if there is one.
   [[nodiscard]] std::shared_ptr<Place> displaced_for(const std::string& client,
                                                      const Held& held) const;
 

@@ -32,7 +32,7 @@ class StreamPlaces {
 
   /// Whoever has a place keeps it.
   void set_most(std::size_t most) { most_ = most; }
-  /// What is said to whoever gets no place; nothing if there is one.
+  /// Why there is no place; nothing if there is one.
   [[nodiscard]] std::optional<std::string> refusal(bool over_tcp) const {
     const std::size_t taken = *of_socket_ + *of_tcp_;
     if (taken >= most_) {

@@ -56,7 +56,7 @@ class TraceStreams {
     std::shared_ptr<Subscribers> subscribers_;
   };
 
-  /// What is to be sent after the record `last`, which moves on; nothing if it is still to come.
+  /// The text to send after the record `last`, which moves on; empty as long as there is none.
   std::string next_text(const TraceFilter& filter, std::uint64_t& last) const;
 
   StreamReaders readers_;

@@ -15,7 +15,7 @@ using routing::AddressWindow;
 
 bool has_values(const Device& device) { return !device.profile.values.all().empty(); }
 
-/// Whoever wants values in an order must know in which one they are.
+/// A route can give values an order only if the order of the device is known.
 void check_order_known(Draft& draft, std::size_t route, std::size_t at) {
   const auto& device = draft.settings.devices[at];
   if (!draft.profile_known[at] || !has_values(device) || device.word_order) {

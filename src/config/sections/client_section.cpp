@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is known of clients besides what listeners say of them: whose turn comes more often.
+// [[client]]: the clients that get more turns than others.
 #include "config/sections/sections.hpp"
 
 namespace mbgate::config {

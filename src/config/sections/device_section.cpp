@@ -70,7 +70,7 @@ void check_address_of_profile(const Draft& draft, TomlTable& table, const drive:
   }
 }
 
-/// Where a form of broadcasts of its own is used, its address can be no device's.
+/// The address of a profile's own form of broadcasts cannot be that of a device.
 void check_broadcast_address(Draft& draft) {
   const auto& devices = draft.settings.devices;
   for (std::size_t i = 0; i < devices.size(); ++i) {

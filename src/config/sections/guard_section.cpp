@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who may write to a device, and what is written to it when nobody is left who might.
+// The clients that may write to a device, and its failsafe writes.
 #include <array>
 #include <string>
 #include <utility>

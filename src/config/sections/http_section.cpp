@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a running gateway is asked how it is: the Unix socket, and addresses that only read.
+// [http]: the Unix socket of the HTTP interface, and the TCP addresses where it only reads.
 #include <cctype>
 
 #include "config/sections/sections.hpp"
@@ -59,7 +59,7 @@ std::optional<Position> taken_at(const Draft& draft, const std::vector<TomlText>
              : std::optional(entries[static_cast<std::size_t>(same - own.begin())].position);
 }
 
-/// What drives do is not shown to every network that the machine is in by one line.
+/// One line must not show what drives do to every network of the machine.
 void read_listen(Draft& draft, TomlTable& table) {
   std::vector<TomlText> entries;  // beside settings.http.listen
   for (const auto& [text, position] : listen_texts(table)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a document does besides parsing: it joins what its files say, and collects what is wrong.
+// Joins the contents of the files of a document, and collects their errors.
 #include <algorithm>
 #include <iterator>
 
