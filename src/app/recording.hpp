@@ -8,7 +8,6 @@
 
 #include "config/text_file.hpp"
 #include "gateway/recording/record.hpp"
-#include "io/denials/starter.hpp"
 #include "io/unique_fd.hpp"
 #include "modbus/result.hpp"
 
@@ -26,8 +25,7 @@ std::filesystem::path recording_path(const std::filesystem::path& file,
 Result<io::UniqueFd, std::string> create_recording(const std::filesystem::path& file);
 
 /// The text when creating it has failed with `error`: what the system said, and what helps.
-std::string recording_failure(const std::filesystem::path& file, int error,
-                              io::Starter starter = io::starter());
+std::string recording_failure(const std::filesystem::path& file, int error);
 
 /// The files of a configuration as a recording holds them: with paths that hold everywhere.
 std::vector<gateway::ConfigFile> recorded_files(const std::vector<config::TextFile>& files);

@@ -45,8 +45,7 @@ FRONTS = {
     "gateway/trace": {"trace_book", "trace_record", "trace_text"},
     "gateway/settings": {"device_index", "numbering", "settings_snapshot", "unit_meaning"},
     "gateway/writes": {"failsafe_writes", "write_rules"},
-    "io/clients": {"client_connections", "descriptors", "hangup_watch", "listening_socket", "open_listeners", "server_set", "tcp_server"},
-    "io/denials": {"advice", "denials", "starter"},
+    "io/clients": {"client_connections", "hangup_watch", "listening_socket", "open_listeners", "resources", "server_set", "tcp_server"},
     "io/lines": {"line_set"},
     "io/tls": {
         "load_tls", "openssl_handles", "pem_files", "record_gate", "remote_key", "sha256", "signer_client", "tls_door",

@@ -10,7 +10,7 @@
 
 #include "gateway/settings.hpp"
 #include "io/as_tuple.hpp"
-#include "io/memory_left.hpp"
+#include "io/clients/resources.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {

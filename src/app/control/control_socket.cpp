@@ -9,6 +9,8 @@
 #include <cerrno>
 #include <filesystem>
 
+#include "io/advice.hpp"
+
 namespace mbgate::app {
 namespace {
 
@@ -62,7 +64,10 @@ Result<stream_protocol::acceptor, std::string> open_control_socket(boost::asio::
     acceptor.listen(kBacklog, error);
   }
   if (error) {
-    return sentence(path, error.message());
+    const auto folder = std::filesystem::path(path).parent_path();
+    return sentence(path, error.message() +
+                              io::folder_advice(folder.empty() ? "." : folder.string(),
+                                                error.value(), "choose a path below /run/mbgate"));
   }
   return acceptor;
 }

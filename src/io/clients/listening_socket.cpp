@@ -13,7 +13,7 @@
 #include <sstream>
 #include <utility>
 
-#include "io/denials/advice.hpp"
+#include "io/advice.hpp"
 
 namespace mbgate::io {
 namespace {
@@ -123,11 +123,9 @@ Result<tcp::acceptor, ListenFailure> bind_listener(boost::asio::io_context& cont
     acceptor.non_blocking(true, error);
   }
   if (error) {
-    const bool may_not = acceptor.is_open() && error.value() == EACCES;
-    auto failure = refusal(
-        listener, to_text(endpoint),
-        error.message() +
-            (may_not ? port_advice(listener, error.value(), SocketUnit::free, starter()) : ""));
+    auto failure = refusal(listener, to_text(endpoint),
+                           error.message() + listen_advice(listener.port, error.value()));
+    failure.denied = is_denial(error.value());
     failure.absent = error.value() == EADDRNOTAVAIL;
     return failure;
   }

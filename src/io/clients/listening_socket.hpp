@@ -17,6 +17,7 @@ namespace mbgate::io {
 struct ListenFailure {
   std::string why;      ///< one line with the listener's name and its address
   bool absent = false;  ///< this machine does not have the address (yet)
+  bool denied = false;  ///< not permitted, now or later
 };
 
 /// Binds the listener's address and port.

@@ -11,7 +11,6 @@
 namespace mbgate::io {
 
 void SystemdSockets::add(const std::string& name, int socket) {
-  names.insert(name);
   boost::asio::ip::tcp::endpoint at;
   auto size = static_cast<socklen_t>(at.capacity());
   if (::getsockname(socket, at.data(), &size) != 0) {
@@ -24,10 +23,7 @@ void SystemdSockets::add(const std::string& name, int socket) {
   }
 }
 
-void SystemdSockets::drop(const std::string& name) {
-  names.erase(name);
-  reached.erase(name);
-}
+void SystemdSockets::drop(const std::string& name) { reached.erase(name); }
 
 std::vector<std::string> open_listeners(const gateway::Settings& settings,
                                         const SystemdSockets& sockets) {

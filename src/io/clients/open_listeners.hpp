@@ -5,7 +5,6 @@
 #pragma once
 
 #include <map>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -15,7 +14,6 @@ namespace mbgate::io {
 
 /// The listening sockets that systemd has handed over.
 struct SystemdSockets {
-  std::set<std::string> names;
   /// Where other machines reach a socket of that name, such as "[::]:502".
   std::map<std::string, std::string> reached;
 

@@ -11,9 +11,9 @@
 
 #include "gateway/limits.hpp"
 #include "io/as_tuple.hpp"
+#include "io/clients/resources.hpp"
 #include "io/clients/tcp_connection.hpp"
 #include "io/clock.hpp"
-#include "io/memory_left.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::io {

@@ -14,8 +14,8 @@
 #include <utility>
 #include <variant>
 
+#include "io/advice.hpp"
 #include "io/as_tuple.hpp"
-#include "io/denials/advice.hpp"
 #include "io/lines/read_waiting.hpp"
 #include "io/lines/tcp_options.hpp"
 #include "io/supervise.hpp"
@@ -108,9 +108,7 @@ boost::asio::awaitable<void> TcpLine::connect(HostAddresses addresses, unsigned 
       co_return;
     }
     const error_code error = failure_of(ended, socket_);
-    std::string failure =
-        error ? error.message() + (error.value() == ENETUNREACH ? network_advice(starter()) : "")
-              : std::string();
+    std::string failure = error ? error.message() + connect_advice(error.value()) : std::string();
     if (!error && tls_) {
       auto why_not = co_await secure(generation);
       if (!why_not) {

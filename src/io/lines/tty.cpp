@@ -2,7 +2,6 @@
 #include "io/lines/tty.hpp"
 
 #include <fcntl.h>
-#include <grp.h>
 #include <linux/serial.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
@@ -20,7 +19,6 @@
 #include <system_error>
 #include <utility>
 
-#include "io/denials/advice.hpp"
 #include "io/lines/tty_direction.hpp"
 #include "io/lines/tty_mode.hpp"
 
@@ -41,27 +39,6 @@ std::string driver_name(const std::string& device) {
   std::string name = (ignored ? std::filesystem::path(device) : real).filename().string();
   name.erase(name.find_last_not_of("0123456789") + 1);
   return name;
-}
-
-/// In a user namespace (PrivateUsers= of a unit), each group that is not of it has this number.
-constexpr gid_t kForeignGroup = 65534;
-
-TtyAccess access_of(const std::string& device) {
-  struct stat status {};
-  if (::stat(device.c_str(), &status) != 0) {
-    return {};
-  }
-  TtyAccess access{status.st_mode, {}, ::group_member(status.st_gid) != 0};
-  constexpr std::size_t kLongestEntry = 16384;  // with all members of the group
-  std::vector<char> text(kLongestEntry);
-  group entry{};
-  group* found = nullptr;
-  if (status.st_gid != kForeignGroup &&
-      ::getgrgid_r(status.st_gid, &entry, text.data(), text.size(), &found) == 0 &&
-      found != nullptr) {
-    access.group = entry.gr_name;
-  }
-  return access;
 }
 
 bool is_pseudo_terminal(int fd) {
@@ -137,19 +114,22 @@ bus::LineKind kind_of(int fd) {
 
 }  // namespace
 
-std::string open_failure(const std::string& device, int error, Starter starter) {
+std::string open_failure(const std::string& device, int error) {
   std::string text = "cannot open " + device + ": " + std::generic_category().message(error);
   switch (error) {
     case EBUSY: return in_use(device);
-    case EACCES: return text + tty_advice(device, access_of(device), starter);
+    case EACCES:
+      return text +
+             "; the user that mbgated runs as must be in the group of this port, mostly dialout "
+             "(\"ls -lL " +
+             device + "\" names it), and its mode must let that group read and write";
     case EPERM:
       // The device cgroup refuses with EPERM where file modes refuse with EACCES. A DeviceAllow= of
       // a driver that was not loaded when the unit started allows nothing.
       return text +
              "; if systemd started mbgated, its unit does not allow this driver, or the driver was "
-             R"(loaded after the unit had started: run "systemctl edit mbgated", paste the two )"
-             R"(lines "[Service]" and "DeviceAllow=char-)" +
-             driver_name(device) + R"( rw", then run "systemctl restart mbgated")";
+             "loaded after the unit had started: the unit needs \"DeviceAllow=char-" +
+             driver_name(device) + " rw\" (systemctl edit mbgated)";
     default: return text;
   }
 }

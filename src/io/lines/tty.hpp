@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "bus/settings.hpp"
-#include "io/denials/starter.hpp"
 #include "io/unique_fd.hpp"
 #include "modbus/result.hpp"
 
@@ -25,7 +24,7 @@ struct OpenTty {
 Result<OpenTty, std::string> open_tty(const bus::LineSettings& line);
 
 /// The text when open() of `device` has failed with `error`: what the system said, and what helps.
-std::string open_failure(const std::string& device, int error, Starter starter = io::starter());
+std::string open_failure(const std::string& device, int error);
 
 /// What can be read.
 std::size_t bytes_to_read(int fd);

@@ -132,6 +132,7 @@ TEST_F(ListenersTest, DoNotBeginWithAPortThatIsTaken) {
   EXPECT_FALSE(
       listeners.begin({listener_at("lan", kNobodys), listener_at("plant", "127.0.0.1")}, {}));
   EXPECT_EQ(written(), "error: in use\n");
+  EXPECT_FALSE(listeners.is_denied());
 }
 
 TEST_F(ListenersTest, TryNoMoreOnceStopped) {

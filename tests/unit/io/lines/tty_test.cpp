@@ -95,17 +95,18 @@ TEST(Tty, SaysWhatIsMissingWhenAccessIsDenied) {
   std::filesystem::remove(path);
   ASSERT_FALSE(tty.has_value());
   EXPECT_EQ(tty.error(), "cannot open " + path.string() +
-                             ": Permission denied; its mode 0000 lets no group use it: a udev rule "
-                             "must give it to the group dialout with mode 0660");
+                             ": Permission denied; the user that mbgated runs as must be in the "
+                             "group of this port, mostly dialout (\"ls -lL " +
+                             path.string() +
+                             "\" names it), and its mode must let that group read and write");
 }
 
 // systemd's device control, unlike the modes of a file, refuses with EPERM.
 TEST(Tty, NamesTheDropInWhenTheUnitDoesNotAllowTheDriver) {
   const std::string name =
       "cannot open /dev/ttyLP3: Operation not permitted; if systemd started mbgated, its unit does "
-      "not allow this driver, or the driver was loaded after the unit had started: run \"systemctl "
-      "edit mbgated\", paste the two lines \"[Service]\" and \"DeviceAllow=char-ttyLP rw\", then "
-      "run \"systemctl restart mbgated\"";
+      "not allow this driver, or the driver was loaded after the unit had started: the unit needs "
+      "\"DeviceAllow=char-ttyLP rw\" (systemctl edit mbgated)";
   EXPECT_EQ(open_failure("/dev/ttyLP3", EPERM), name);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/clients/descriptors.hpp"
+#include "io/clients/resources.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

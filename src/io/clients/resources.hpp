@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many file descriptors the process may have, and how many of them clients may use. Any number
-// of clients may connect, but a replugged adapter and the process itself must still find a free
+// How much of the process clients may use: file descriptors and memory. Any number of clients may
+// connect, but a replugged adapter and the process itself must still find a free
 // descriptor. The kernel assigns the lowest free number, so the numbers from some limit on are
 // reserved for them: a client that gets such a number is turned away.
 #pragma once
@@ -29,6 +29,11 @@ struct DescriptorRoom {
 /// `http_sockets`: those from systemd that the HTTP interface listens at, in place of its settings.
 DescriptorRoom room_for_clients(const gateway::Settings& settings, std::size_t limit,
                                 std::size_t http_sockets = 0);
+
+/// Is there memory for one more client? More must be free than the full queues of several buses
+/// take: where an allocation is refused (a limit of the process, or overcommitment off), the machine
+/// cannot go on with half of an input, and the process ends. Any thread may ask.
+bool is_memory_left();
 
 /// The first descriptor that no client may have, with the limit in force.
 int end_of_client_descriptors(const gateway::Settings& settings);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/clients/descriptors.hpp"
+#include "io/clients/resources.hpp"
 
+#include <sys/mman.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -23,6 +24,8 @@ constexpr std::size_t kOfTheProcess = 16;
 constexpr std::size_t kForEachListener = 3;
 /// Its socket, and the two ends of the pair by which the machine has it.
 constexpr std::size_t kForEachTlsClient = 3;
+/// Free for those who are served.
+constexpr std::size_t kMemoryLeft = 8'388'608;
 /// The socket that listens, and a copy of it.
 constexpr std::size_t kForEachHttpSocket = 2;
 
@@ -97,6 +100,13 @@ DescriptorRoom room_for_clients(const gateway::Settings& settings, std::size_t l
       ", or raise the limit (LimitNOFILE= of the unit) to " +
       std::to_string(wanted + http + others);
   return room;
+}
+
+// Not from the heap, which would keep it. It takes no page of memory.
+bool is_memory_left() {
+  void* const mapped =
+      ::mmap(nullptr, kMemoryLeft, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  return mapped != MAP_FAILED && ::munmap(mapped, kMemoryLeft) == 0;
 }
 
 int end_of_client_descriptors(const gateway::Settings& settings) {
