@@ -51,7 +51,7 @@ bool Listeners::listen(ListenerId id, const ListenerSettings& listener,
   if (adopted) {
     return all;
   }
-  auto stored = stored_ != nullptr ? stored_->claim(listener) : io::UniqueFd();
+  auto stored = stored_ != nullptr ? stored_->claim(listener) : sys::UniqueFd();
   return keep(id, listener,
               stored.is_open() ? io::resume_listener(context_, listener, std::move(stored))
                                : bind_(context_, listener));

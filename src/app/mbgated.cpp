@@ -41,7 +41,7 @@ constexpr std::chrono::milliseconds kRecordingFlush{100};
 
 /// The file that a recording goes to, and its head.
 struct RecordingBegun {
-  io::UniqueFd file;
+  sys::UniqueFd file;
   std::string head;
 };
 

@@ -18,13 +18,13 @@ fs::path recording_path(const fs::path& file, const char* state_directory) {
   return fs::path(all.substr(0, all.find(':'))) / file;
 }
 
-Result<io::UniqueFd, std::string> create_recording(const fs::path& file) {
+Result<sys::UniqueFd, std::string> create_recording(const fs::path& file) {
   std::error_code ignored;
   if (fs::is_regular_file(file, ignored)) {
     fs::rename(file, file.string() + ".1", ignored);
   }
   constexpr mode_t kOwnerOnly = 0600;
-  io::UniqueFd created(
+  sys::UniqueFd created(
       ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOCTTY, kOwnerOnly));
   if (!created.is_open()) {
     return recording_failure(file, errno);

@@ -24,7 +24,7 @@ std::vector<InheritedSocket> take_inherited_sockets() {
   const Allocated<char*> names(list, &std::free);
   for (int i = 0; i < count; ++i) {
     const Allocated<char> name(names.get()[i], &std::free);
-    sockets.push_back({name.get(), io::UniqueFd(SD_LISTEN_FDS_START + i)});
+    sockets.push_back({name.get(), sys::UniqueFd(SD_LISTEN_FDS_START + i)});
   }
   return sockets;
 }

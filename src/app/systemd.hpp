@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "io/unique_fd.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::app {
 
@@ -16,7 +16,7 @@ namespace mbgate::app {
 /// FileDescriptorName=, or the name it was stored with.
 struct InheritedSocket {
   std::string name;
-  io::UniqueFd fd;
+  sys::UniqueFd fd;
 };
 
 /// Takes over the sockets, once.

@@ -9,8 +9,9 @@
 #include <algorithm>
 #include <array>
 #include <iostream>
-#include <memory>
 #include <system_error>
+
+#include "sys/openssl.hpp"
 
 namespace mbgate::signer {
 namespace {
@@ -24,21 +25,16 @@ bool may_have_certificates(const fs::path& file, std::string_view key_file) {
   return file.filename() == key_file || std::ranges::find(kEndings, ending) != kEndings.end();
 }
 
-struct Free {
-  void operator()(BIO* file) const { BIO_free(file); }
-  void operator()(X509* certificate) const { X509_free(certificate); }
-};
-
 /// One behind the other: a file may have a chain, and other things between its certificates.
 bool has_authority_of(const fs::path& file, const EVP_PKEY* key) {
-  const std::unique_ptr<BIO, Free> text(BIO_new_file(file.c_str(), "r"));
+  const sys::BioHandle text(BIO_new_file(file.c_str(), "r"));
   if (!text) {
     std::cerr << file.string() << ": cannot be read, so it is not known whether an authority's "
               << "certificate is there\n";
   }
   bool found = false;
   while (text && !found && BIO_eof(text.get()) == 0) {
-    const std::unique_ptr<X509, Free> certificate(
+    const sys::CertificateHandle certificate(
         PEM_read_bio_X509(text.get(), nullptr, nullptr, nullptr));
     found = certificate && X509_check_ca(certificate.get()) != 0 &&
             EVP_PKEY_eq(X509_get0_pubkey(certificate.get()), key) == 1;

@@ -3,18 +3,17 @@
 // and to sign digests.
 #pragma once
 
-#include <openssl/evp.h>
-
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/signing.hpp"
 #include "signer/padding.hpp"
+#include "sys/openssl.hpp"
 
 namespace mbgate::signer {
 
@@ -48,14 +47,11 @@ class KeyFile {
                                            std::span<const std::uint8_t> bytes) const;
 
  private:
-  struct Free {
-    void operator()(EVP_PKEY* key) const { EVP_PKEY_free(key); }
-  };
-  KeyFile(EVP_PKEY* key, std::string name) : key_(key), name_(std::move(name)) {}
+  KeyFile(sys::KeyHandle key, std::string name) : key_(std::move(key)), name_(std::move(name)) {}
   static std::optional<KeyFile> read(std::string_view pem, const std::string& name);
   [[nodiscard]] bool is_rsa() const { return EVP_PKEY_get_base_id(key_.get()) == EVP_PKEY_RSA; }
 
-  std::unique_ptr<EVP_PKEY, Free> key_;
+  sys::KeyHandle key_;
   std::string name_;
 };
 

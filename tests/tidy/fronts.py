@@ -48,7 +48,7 @@ FRONTS = {
     "io/clients": {"client_connections", "hangup_watch", "listening_socket", "open_listeners", "resources", "server_set", "tcp_server"},
     "io/lines": {"line_set"},
     "io/tls": {
-        "load_tls", "openssl_handles", "pem_files", "record_gate", "remote_key", "sha256", "signer_client", "tls_door",
+        "load_tls", "pem_files", "remote_key", "sha256", "signer_client", "tls_door",
     },
     "io/uplink": {"tls_uplink"},
     "sim/drives": {"device"},
@@ -65,7 +65,7 @@ BEHIND = {
         "sim/drives/maps/aic_map.hpp", "sim/drives/maps/fda6000_map.hpp", "sim/drives/maps/moons_map.hpp",
         "sim/drives/maps/stepper_map.hpp",
     },
-    "bench": {"sim/program/file_descriptor.hpp", "sim/program/pty.hpp"},
+    "bench": {"sim/program/pty.hpp"},
 }
 
 

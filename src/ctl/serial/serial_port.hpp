@@ -6,10 +6,11 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ctl/serial/line_mode.hpp"
-#include "ctl/serial/serial_mode.hpp"
+#include "sys/tty.hpp"
 
 namespace mbgate::ctl {
 
@@ -20,23 +21,22 @@ class SerialPort {
   /// Opens the port and locks it; its mode is that of before. The error is a full sentence.
   static Result<SerialPort, std::string> open(const std::string& device);
 
-  SerialPort(SerialPort&& other) noexcept;
+  SerialPort(SerialPort&&) = default;
   SerialPort& operator=(SerialPort&&) = delete;
   SerialPort(const SerialPort&) = delete;
   SerialPort& operator=(const SerialPort&) = delete;
   ~SerialPort();
 
-  [[nodiscard]] int descriptor() const { return fd_; }
+  [[nodiscard]] int descriptor() const { return fd_.get(); }
   /// Why the port cannot have this mode, or nothing. Bytes that wait are discarded, then and in the
   /// end, when the port gets the settings of before.
   [[nodiscard]] std::optional<std::string> set_mode(const LineMode& mode);
 
  private:
-  explicit SerialPort(int fd);
+  explicit SerialPort(sys::UniqueFd fd) : fd_(std::move(fd)) {}
 
-  int fd_;
-  bool pseudo_terminal_;
-  std::optional<SerialSettings> before_{};  ///< once the mode was set
+  sys::UniqueFd fd_;
+  std::optional<sys::TtySettings> before_{};  ///< once the mode was set
 };
 
 /// What to say where open() of `device` has failed with `error`. `names` are those of the ports

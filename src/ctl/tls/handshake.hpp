@@ -5,20 +5,20 @@
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "ctl/request/command.hpp"
-#include "ctl/tls/descriptor.hpp"
-#include "ctl/tls/openssl.hpp"
 #include "modbus/result.hpp"
+#include "sys/tls_stream.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::ctl {
 
 /// A connection whose handshake is done. The socket does not block.
 struct TlsConnection {
-  Descriptor socket;
-  openssl::Context context;
-  openssl::Session session;
+  sys::UniqueFd socket;
+  std::unique_ptr<sys::TlsStream> stream;
 };
 
 /// Within `timeout`, the TCP connection and the handshake together. The error says why, in words
@@ -27,8 +27,8 @@ Result<TlsConnection, std::string> connect_tls(const std::string& host, std::uin
                                                std::chrono::nanoseconds timeout,
                                                const TlsIdentity& identity);
 
-/// What SSL_read, SSL_write or SSL_connect failed of, for `result` that they gave: "the server
-/// refused our certificate: certificate expired".
-std::string failure_text(const SSL& session, int result);
+/// Why the stream is over after this step: "the server refused our certificate: certificate
+/// expired".
+std::string failure_text(const sys::TlsStream& stream, sys::TlsStream::Step step);
 
 }  // namespace mbgate::ctl

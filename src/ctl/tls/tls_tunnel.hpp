@@ -29,8 +29,8 @@ class TlsTunnel {
   void carry();
 
   TlsConnection connection_;
-  Descriptor ours_;
-  Descriptor theirs_;
+  sys::UniqueFd ours_;
+  sys::UniqueFd theirs_;
   std::string why_ended_;  ///< written before `has_ended_`
   std::atomic<bool> has_ended_{false};
   std::thread thread_;

@@ -134,7 +134,7 @@ Result<tcp::acceptor, ListenFailure> bind_listener(boost::asio::io_context& cont
 
 Result<tcp::acceptor, ListenFailure> adopt_listener(boost::asio::io_context& context,
                                                     const gateway::ListenerSettings& listener,
-                                                    UniqueFd socket) {
+                                                    sys::UniqueFd socket) {
   const auto protocol = protocol_of(socket.get());
   if (!protocol) {
     return refusal(listener, "the socket from systemd", "it is no listening TCP socket");
@@ -168,7 +168,7 @@ bool is_bound_for(const gateway::ListenerSettings& listener, int socket) {
 
 Result<tcp::acceptor, ListenFailure> resume_listener(boost::asio::io_context& context,
                                                      const gateway::ListenerSettings& listener,
-                                                     UniqueFd socket) {
+                                                     sys::UniqueFd socket) {
   auto acceptor = adopt_listener(context, listener, std::move(socket));
   if (acceptor) {
     error_code error;

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "gateway/settings.hpp"
-#include "io/unique_fd.hpp"
 #include "modbus/result.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::io {
 
@@ -26,14 +26,16 @@ Result<boost::asio::ip::tcp::acceptor, ListenFailure> bind_listener(
 
 /// Takes over a listening TCP socket; address and port of the settings are then not used.
 Result<boost::asio::ip::tcp::acceptor, ListenFailure> adopt_listener(
-    boost::asio::io_context& context, const gateway::ListenerSettings& listener, UniqueFd socket);
+    boost::asio::io_context& context, const gateway::ListenerSettings& listener,
+    sys::UniqueFd socket);
 
 /// A socket that listens at just the address and port of the settings, as bind_listener() makes it:
 /// all of its other options can still be changed.
 bool is_bound_for(const gateway::ListenerSettings& listener, int socket);
 /// Takes over such a socket, which an earlier process has bound.
 Result<boost::asio::ip::tcp::acceptor, ListenFailure> resume_listener(
-    boost::asio::io_context& context, const gateway::ListenerSettings& listener, UniqueFd socket);
+    boost::asio::io_context& context, const gateway::ListenerSettings& listener,
+    sys::UniqueFd socket);
 
 /// "127.0.0.1:502" or "[::1]:502"
 std::string to_text(const boost::asio::ip::tcp::endpoint& endpoint);

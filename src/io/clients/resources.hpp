@@ -31,8 +31,8 @@ DescriptorRoom room_for_clients(const gateway::Settings& settings, std::size_t l
                                 std::size_t http_sockets = 0);
 
 /// Is there memory for one more client? More must be free than the full queues of several buses
-/// take: where an allocation is refused (a limit of the process, or overcommitment off), the machine
-/// cannot go on with half of an input, and the process ends. Any thread may ask.
+/// take: where an allocation is refused (a limit of the process, or overcommitment off), the
+/// machine cannot go on with half of an input, and the process ends. Any thread may ask.
 bool is_memory_left();
 
 /// The first descriptor that no client may have, with the limit in force.

@@ -11,8 +11,8 @@
 #include <boost/system/error_code.hpp>
 
 #include "gateway/settings.hpp"
-#include "io/unique_fd.hpp"
 #include "routing/client_address.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::io {
 
@@ -66,7 +66,7 @@ class TcpServer {
   Outcome accept_one(bool count_bytes);
   /// 0, or the error number that says why a client with this descriptor is not let in.
   [[nodiscard]] int objection(int socket) const;
-  Outcome take(UniqueFd socket, const boost::asio::ip::tcp::endpoint& peer, bool count_bytes);
+  Outcome take(sys::UniqueFd socket, const boost::asio::ip::tcp::endpoint& peer, bool count_bytes);
   /// With the spare descriptor, accepts and closes what is waiting.
   void shed();
 
@@ -77,7 +77,7 @@ class TcpServer {
   AcceptEvents& events_;
   int end_;
   bus::Duration old_;
-  UniqueFd spare_;
+  sys::UniqueFd spare_;
 };
 
 }  // namespace mbgate::io

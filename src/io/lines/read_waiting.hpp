@@ -11,9 +11,9 @@
 #include <cstdint>
 #include <span>
 
-#include "io/unique_fd.hpp"
 #include "modbus/bytes.hpp"
 #include "modbus/rtu.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::io {
 
@@ -33,7 +33,7 @@ template <class Read, class HandOver>
       return boost::asio::error::make_error_code(boost::asio::error::eof);
     }
     if (count < 0) {
-      return would_block(errno)
+      return sys::would_block(errno)
                  ? boost::system::error_code()
                  : boost::system::error_code(errno, boost::system::system_category());
     }

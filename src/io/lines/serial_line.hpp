@@ -42,7 +42,7 @@ class SerialLine final : public Line {
   boost::asio::awaitable<void> release_rts(unsigned generation);
   void finish_open(Result<OpenTty, std::string> result, const bus::LineSettings& opened,
                    unsigned generation);
-  void close_elsewhere(UniqueFd fd, const bus::LineSettings& opened);
+  void close_elsewhere(sys::UniqueFd fd, const bus::LineSettings& opened);
   void lose(const std::string& why);
   void read(std::size_t left);
   void lose_reading(const boost::system::error_code& error);

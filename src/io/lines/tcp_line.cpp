@@ -42,7 +42,7 @@ std::optional<std::size_t> try_send(tcp::socket& socket, modbus::Bytes bytes) {
   if (count >= 0) {
     return static_cast<std::size_t>(count);
   }
-  return would_block(errno) ? std::optional<std::size_t>(0) : std::nullopt;
+  return sys::would_block(errno) ? std::optional<std::size_t>(0) : std::nullopt;
 }
 
 /// What ended first: an operation on the socket, or the timer that limits it.

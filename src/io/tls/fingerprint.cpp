@@ -50,17 +50,17 @@ std::string fingerprint(const X509& certificate) {
   return hex_pairs(digest, size);
 }
 
-std::string fingerprints(const std::vector<CertificateHandle>& certificates) {
+std::string fingerprints(const std::vector<sys::CertificateHandle>& certificates) {
   std::string text;
-  for (const CertificateHandle& certificate : certificates) {
+  for (const sys::CertificateHandle& certificate : certificates) {
     text += (text.empty() ? "" : " and ") + fingerprint(*certificate);
   }
   return text;
 }
 
-std::string lists_text(const std::vector<CrlHandle>& lists) {
+std::string lists_text(const std::vector<sys::CrlHandle>& lists) {
   std::string text;
-  for (const CrlHandle& list : lists) {
+  for (const sys::CrlHandle& list : lists) {
     text += (text.empty() ? "" : " and ") + list_text(*list);
   }
   return text.empty() ? "none" : text;

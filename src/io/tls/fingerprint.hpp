@@ -7,15 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "io/tls/openssl_handles.hpp"
+#include "sys/openssl.hpp"
 
 namespace mbgate::io {
 
 /// "1A:2B:3C:4D:5E:6F:70:81".
 std::string fingerprint(const X509& certificate);
 /// Of all of them, with "and" between.
-std::string fingerprints(const std::vector<CertificateHandle>& certificates);
+std::string fingerprints(const std::vector<sys::CertificateHandle>& certificates);
 /// "2026-11-28 07:12:31 UTC, 3 revoked, 1A:2B:...": when it was made, and how many it names.
-std::string lists_text(const std::vector<CrlHandle>& lists);
+std::string lists_text(const std::vector<sys::CrlHandle>& lists);
 
 }  // namespace mbgate::io

@@ -12,7 +12,7 @@ std::string id_of(const SSL_SESSION* session) {
   return {id, id + size};
 }
 
-void ResumableSessions::keep(SessionHandle session, ChainHandle chain) {
+void ResumableSessions::keep(sys::SessionHandle session, sys::ChainHandle chain) {
   std::string id = id_of(session.get());
   if (id.empty()) {
     return;

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <unordered_map>
 
-#include "io/tls/openssl_handles.hpp"
+#include "sys/openssl.hpp"
 
 namespace mbgate::io {
 
@@ -17,13 +17,13 @@ class ResumableSessions {
  public:
   struct Kept {
     std::string id;
-    SessionHandle session;
-    ChainHandle chain;  ///< what the client has shown beside its own certificate
+    sys::SessionHandle session;
+    sys::ChainHandle chain;  ///< what the client has shown beside its own certificate
   };
 
   explicit ResumableSessions(std::size_t most) : most_(most) {}
 
-  void keep(SessionHandle session, ChainHandle chain);
+  void keep(sys::SessionHandle session, sys::ChainHandle chain);
   /// nullptr if it is not known (any more).
   [[nodiscard]] Kept* find(std::string_view id);
   void forget(std::string_view id);

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "base/assert.hpp"
-#include "io/tls/openssl_handles.hpp"
+#include "sys/openssl.hpp"
 
 namespace mbgate::io {
 namespace {
@@ -17,7 +17,7 @@ constexpr std::size_t kSize = 32;
 }  // namespace
 
 std::string sha256(std::span<const std::string_view> texts) {
-  const std::unique_ptr<EVP_MD_CTX, FreeWith<EVP_MD_CTX_free>> context(EVP_MD_CTX_new());
+  const std::unique_ptr<EVP_MD_CTX, sys::FreeWith<EVP_MD_CTX_free>> context(EVP_MD_CTX_new());
   bool good = context && EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) == 1;
   for (const std::string_view text : texts) {
     good = good && EVP_DigestUpdate(context.get(), text.data(), text.size()) == 1;

@@ -10,10 +10,10 @@
 #include <string>
 
 #include "gateway/settings.hpp"
-#include "io/tls/openssl_handles.hpp"
 #include "io/tls/resumable_sessions.hpp"
 #include "modbus/result.hpp"
 #include "routing/client_role.hpp"
+#include "sys/openssl.hpp"
 
 namespace mbgate::io {
 
@@ -47,7 +47,7 @@ class TlsContext {
   ~TlsContext();
 
   /// For one client.
-  [[nodiscard]] SslHandle new_ssl() const { return SslHandle(SSL_new(context_.get())); }
+  [[nodiscard]] sys::SslHandle new_ssl() const { return sys::SslHandle(SSL_new(context_.get())); }
   /// Why this certificate is not accepted now, by chain, dates and revocations; nothing: it is.
   /// `chain` may be nullptr.
   std::optional<std::string> objection(X509* certificate, STACK_OF(X509) * chain) const;
@@ -68,7 +68,7 @@ class TlsContext {
   static SSL_SESSION* session_wanted(SSL* ssl, const unsigned char* id, int size, int* copy);
   static void session_ended(SSL_CTX* context, SSL_SESSION* session);
 
-  ContextHandle context_;
+  sys::ContextHandle context_;
   ResumableSessions sessions_;
   TlsDates dates_{};
   TlsContents contents_{};

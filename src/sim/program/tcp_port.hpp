@@ -9,9 +9,9 @@
 
 #include "modbus/bytes.hpp"
 #include "modbus/result.hpp"
-#include "sim/program/file_descriptor.hpp"
 #include "sim/program/listen_address.hpp"
 #include "sim/wire/tcp_bus.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::sim {
 
@@ -42,13 +42,13 @@ class TcpPort {
   void close(ConnectionId connection) { connections_.erase(connection); }
 
  private:
-  TcpPort(FileDescriptor listener, ListenAddress address, std::size_t most_connections);
+  TcpPort(sys::UniqueFd listener, ListenAddress address, std::size_t most_connections);
   void accept();
 
-  FileDescriptor listener_;
+  sys::UniqueFd listener_;
   ListenAddress address_;
   std::size_t most_connections_;
-  std::map<ConnectionId, FileDescriptor> connections_;
+  std::map<ConnectionId, sys::UniqueFd> connections_;
   ConnectionId next_ = 1;
 };
 

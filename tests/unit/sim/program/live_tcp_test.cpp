@@ -45,7 +45,7 @@ class Client {
   }
 
  private:
-  sim::FileDescriptor socket_;
+  sys::UniqueFd socket_;
   bool connected_ = false;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What OpenSSL would be given to read, one record at a time. That clients are ended is shown with
 // the program (tests/integration/tls_records_test.py).
-#include "io/tls/record_gate.hpp"
+#include "sys/tls_stream.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <chrono>
 #include <string>
 
-namespace mbgate::io {
+namespace mbgate::sys {
 namespace {
 
 using namespace std::chrono_literals;
@@ -52,7 +52,7 @@ const std::string kRecord(
 TEST_F(RecordGateTest, ClosesBehindARecordUntilItIsOpened) {
   come(kRecord + kRecord);
   EXPECT_EQ(read(5, 4), 9U);
-  EXPECT_EQ(gate_.turn(bus::Instant{}), Turn::again);
+  EXPECT_EQ(gate_.turn(RecordGate::Instant{}), Turn::again);
   EXPECT_EQ(read(5, 4), 0U);
   gate_.open();
   EXPECT_EQ(read(5, 4), 9U);
@@ -61,15 +61,15 @@ TEST_F(RecordGateTest, ClosesBehindARecordUntilItIsOpened) {
 TEST_F(RecordGateTest, WaitsForTheRestOfARecord) {
   come(kRecord.substr(0, 3));
   EXPECT_EQ(read(5, 4), 3U);
-  EXPECT_EQ(gate_.turn(bus::Instant{}), Turn::wait);
+  EXPECT_EQ(gate_.turn(RecordGate::Instant{}), Turn::wait);
   gate_.open();
   come(kRecord.substr(3, 3));
   EXPECT_EQ(read(2, 4), 3U);
-  EXPECT_EQ(gate_.turn(bus::Instant{}), Turn::wait);
+  EXPECT_EQ(gate_.turn(RecordGate::Instant{}), Turn::wait);
   gate_.open();
   come(kRecord.substr(6));
   EXPECT_EQ(read(3, 3), 3U);
-  EXPECT_EQ(gate_.turn(bus::Instant{}), Turn::again);
+  EXPECT_EQ(gate_.turn(RecordGate::Instant{}), Turn::again);
 }
 
 TEST_F(RecordGateTest, KnowsARecordThatIsEmptyAndOneOfSsl2) {
@@ -78,11 +78,11 @@ TEST_F(RecordGateTest, KnowsARecordThatIsEmptyAndOneOfSsl2) {
   gate_.open();
   come(std::string("\x80\x09\x01\x03\x01", 5) + "abcdef" + kRecord);
   EXPECT_EQ(read(5, 6), 11U);
-  EXPECT_EQ(gate_.turn(bus::Instant{}), Turn::again);
+  EXPECT_EQ(gate_.turn(RecordGate::Instant{}), Turn::again);
 }
 
 TEST_F(RecordGateTest, HasEnoughOfAHundredWithinASecond) {
-  bus::Instant at{};
+  RecordGate::Instant at{};
   const auto pass = [this, &at] {
     gate_.open();
     come(kRecord);
@@ -98,4 +98,4 @@ TEST_F(RecordGateTest, HasEnoughOfAHundredWithinASecond) {
 }
 
 }  // namespace
-}  // namespace mbgate::io
+}  // namespace mbgate::sys

@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <utility>
 
-namespace mbgate::io {
+namespace mbgate::sys {
 
 /// True if a call that failed with this errno can be repeated later: the descriptor has not failed.
 inline bool would_block(int error) { return error == EAGAIN || error == EINTR; }
@@ -42,4 +42,4 @@ class UniqueFd {
   int fd_ = -1;
 };
 
-}  // namespace mbgate::io
+}  // namespace mbgate::sys

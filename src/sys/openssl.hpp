@@ -7,10 +7,13 @@
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
 
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
-namespace mbgate::io {
+namespace mbgate::sys {
 
 template <auto Free>
 struct FreeWith {
@@ -25,7 +28,8 @@ inline void free_certificates(STACK_OF(X509) * certificates) {
 }
 
 using KeyHandle = std::unique_ptr<EVP_PKEY, FreeWith<EVP_PKEY_free>>;
-using BioHandle = std::unique_ptr<BIO, FreeWith<BIO_free>>;
+using KeyUseHandle = std::unique_ptr<EVP_PKEY_CTX, FreeWith<EVP_PKEY_CTX_free>>;
+using BioHandle = std::unique_ptr<BIO, FreeWith<BIO_free_all>>;
 using CertificateHandle = std::unique_ptr<X509, FreeWith<X509_free>>;
 using CrlHandle = std::unique_ptr<X509_CRL, FreeWith<X509_CRL_free>>;
 using ChainHandle = std::unique_ptr<STACK_OF(X509), FreeWith<free_certificates>>;
@@ -34,28 +38,23 @@ using SslHandle = std::unique_ptr<SSL, FreeWith<SSL_free>>;
 using SessionHandle = std::unique_ptr<SSL_SESSION, FreeWith<SSL_SESSION_free>>;
 
 /// An error of ours, within a function that OpenSSL calls.
-inline void raise_own_error(const std::string& why) {
-  ERR_raise_data(ERR_LIB_USER, ERR_R_OPERATION_FAIL, "%s", why.c_str());
-}
+void raise_own_error(const std::string& why);
 
 /// What OpenSSL says of the newest error of this thread, all of which it then forgets; but if one
-/// is ours, what we said of that: OpenSSL adds to it that the call of a library has failed.
-inline std::string take_openssl_error() {
-  const unsigned long error = ERR_peek_last_error();
-  const char* data = nullptr;
-  int flags = 0;
-  while (const unsigned long older = ERR_get_error_all(nullptr, nullptr, nullptr, &data, &flags)) {
-    if (ERR_GET_LIB(older) == ERR_LIB_USER && (flags & ERR_TXT_STRING) != 0) {
-      std::string why = data;
-      ERR_clear_error();
-      return why;
-    }
-  }
-  const char* const reason = ERR_reason_error_string(error);
-  ERR_clear_error();
-  return reason != nullptr ? reason
-         : error == 0      ? "no reason is known"
-                           : "error " + std::to_string(error);
+/// is ours or the system's, what was said of that: OpenSSL adds to it that a call has failed.
+std::string take_openssl_error();
+
+/// Throws unless OpenSSL says that it was done, which fails for want of memory or of a sound
+/// OpenSSL alone.
+void expect_openssl(int done);
+/// Throws if OpenSSL gave nothing.
+template <typename Object>
+Object* expect_openssl(Object* object) {
+  expect_openssl(object != nullptr ? 1 : 0);
+  return object;
 }
 
-}  // namespace mbgate::io
+/// What each extension of this kind (a dotted number) has in it; as long as the certificate is.
+std::vector<std::span<const std::uint8_t>> extensions_of(const X509& certificate, const char* kind);
+
+}  // namespace mbgate::sys

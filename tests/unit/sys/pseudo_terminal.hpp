@@ -9,12 +9,13 @@
 #include <unistd.h>
 
 #include <array>
+#include <cstdint>
+#include <span>
 #include <string>
 
-#include "io/unique_fd.hpp"
-#include "modbus/bytes.hpp"
+#include "sys/unique_fd.hpp"
 
-namespace mbgate::io {
+namespace mbgate::sys {
 
 class PseudoTerminal {
  public:
@@ -30,7 +31,7 @@ class PseudoTerminal {
   /// Empty if the system has no pseudo-terminals.
   [[nodiscard]] const std::string& path() const { return path_; }
   /// False if the line does not take all of it.
-  [[nodiscard]] bool write(modbus::Bytes bytes) const {
+  [[nodiscard]] bool write(std::span<const std::uint8_t> bytes) const {
     return ::write(device_side_.get(), bytes.data(), bytes.size()) ==
            static_cast<ssize_t>(bytes.size());
   }
@@ -54,4 +55,4 @@ class PseudoTerminal {
   std::string path_;
 };
 
-}  // namespace mbgate::io
+}  // namespace mbgate::sys
