@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "io/as_tuple.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {

@@ -13,10 +13,9 @@
 
 #include "app/configuration/digest.hpp"
 #include "app/held_signals.hpp"
-#include "app/journal/event_line.hpp"
+#include "app/journal/event_topic.hpp"
 #include "app/systemd.hpp"
 #include "app/text.hpp"
-#include "io/as_tuple.hpp"
 #include "io/clients/resources.hpp"
 #include "io/supervise.hpp"
 

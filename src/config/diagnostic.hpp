@@ -50,4 +50,26 @@ std::string render(const std::vector<Diagnostic>& diagnostics);
 /// Is one of them an error?
 bool has_errors(const std::vector<Diagnostic>& diagnostics);
 
+// Where keys stand that deny requests, "mbgate.toml:12", beside the settings that were read there.
+// The gateway does not need them; whoever asks it why does.
+
+/// Empty: the key is not there.
+struct ListenerPlaces {
+  std::string allow;
+  std::string read_only;
+};
+
+/// Of a key that is not there, where the route begins.
+struct RoutePlaces {
+  std::string access;
+  std::string functions;
+  std::string windows;  ///< the first of them
+};
+
+struct KeyPlaces {
+  std::vector<ListenerPlaces> listeners{};
+  std::vector<RoutePlaces> routes{};
+  std::vector<std::string> writers{};  ///< of the devices
+};
+
 }  // namespace mbgate::config

@@ -10,7 +10,7 @@
 #include <new>
 #include <utility>
 
-#include "app/control/control_socket.hpp"
+#include "app/control/control_doors.hpp"
 #include "io/blocking_calls.hpp"
 #include "sys/unique_fd.hpp"
 

@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <utility>
 
-#include "io/as_tuple.hpp"
 #include "io/supervise.hpp"
 #include "sys/unique_fd.hpp"
 

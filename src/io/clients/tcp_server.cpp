@@ -6,11 +6,11 @@
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
+#include <boost/asio/post.hpp>
 #include <cerrno>
 #include <utility>
 
 #include "gateway/limits.hpp"
-#include "io/as_tuple.hpp"
 #include "io/clients/resources.hpp"
 #include "io/clients/tcp_connection.hpp"
 #include "io/clock.hpp"
@@ -164,6 +164,48 @@ void TcpServer::shed() {
     }
   }
   spare_ = open_spare();
+}
+
+void ServerSet::add(gateway::ListenerId listener, boost::asio::ip::tcp::acceptor acceptor,
+                    int end) {
+  servers_.push_back(
+      std::make_unique<TcpServer>(context_, listener, std::move(acceptor), events_, end));
+  if (started_) {
+    servers_.back()->start();
+  }
+}
+
+void ServerSet::remove(gateway::ListenerId listener) {
+  for (auto& server : servers_) {
+    if (server->listener() == listener) {
+      server->stop();
+      // What waits for a client ends before this does.
+      boost::asio::post(context_, [stopped = std::move(server)] {});
+    }
+  }
+  std::erase(servers_, nullptr);
+}
+
+void ServerSet::set_end(int end) {
+  for (const auto& server : servers_) {
+    server->set_end(end);
+  }
+}
+
+void ServerSet::start() {
+  for (const auto& server : servers_) {
+    server->accept_waiting();
+  }
+  for (const auto& server : servers_) {
+    server->start();
+  }
+  started_ = true;
+}
+
+void ServerSet::stop() {
+  for (const auto& server : servers_) {
+    server->stop();
+  }
 }
 
 }  // namespace mbgate::io

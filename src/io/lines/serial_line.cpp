@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <boost/asio/post.hpp>
 #include <cerrno>
+#include <chrono>
 #include <system_error>
 #include <utility>
 
-#include "io/as_tuple.hpp"
-#include "io/lines/read_waiting.hpp"
+#include "io/lines/line.hpp"
 #include "io/lines/tty_direction.hpp"
 #include "io/supervise.hpp"
 #include "sys/tty.hpp"

@@ -14,7 +14,6 @@
 
 #include "bus/settings.hpp"
 #include "io/lines/line.hpp"
-#include "io/lines/read_waiting.hpp"
 #include "io/lines/tty.hpp"
 #include "modbus/rtu.hpp"
 

@@ -15,8 +15,7 @@
 #include <variant>
 
 #include "io/advice.hpp"
-#include "io/as_tuple.hpp"
-#include "io/lines/read_waiting.hpp"
+#include "io/lines/line.hpp"
 #include "io/lines/tcp_options.hpp"
 #include "io/supervise.hpp"
 

@@ -6,9 +6,9 @@
 #include <utility>
 #include <variant>
 
-#include "io/as_tuple.hpp"
 #include "io/lines/tcp_line.hpp"
 #include "io/lines/tcp_options.hpp"
+#include "io/supervise.hpp"
 
 namespace mbgate::io {
 namespace {

@@ -4,7 +4,9 @@
 // crl -fingerprint -sha256` print it.
 #pragma once
 
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sys/openssl.hpp"
@@ -17,5 +19,11 @@ std::string fingerprint(const X509& certificate);
 std::string fingerprints(const std::vector<sys::CertificateHandle>& certificates);
 /// "2026-11-28 07:12:31 UTC, 3 revoked, 1A:2B:...": when it was made, and how many it names.
 std::string lists_text(const std::vector<sys::CrlHandle>& lists);
+
+// SHA-256 (FIPS 180-4) of text, for what is shown and compared with sha256sum(1).
+
+/// Of the texts one behind the other: 64 hexadecimal digits in lower case.
+std::string sha256(std::span<const std::string_view> texts);
+std::string sha256(std::string_view text);
 
 }  // namespace mbgate::io

@@ -10,7 +10,6 @@
 #include <cerrno>
 #include <utility>
 
-#include "io/as_tuple.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::io {

@@ -7,7 +7,7 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <cerrno>
 
-#include "io/as_tuple.hpp"
+#include "io/supervise.hpp"
 #include "io/tls/tls_client.hpp"
 
 namespace mbgate::io {

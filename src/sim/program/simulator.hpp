@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "sim/program/live_bus.hpp"
-#include "sim/program/live_tcp_bus.hpp"
 #include "sim/program/settings.hpp"
 #include "sys/unique_fd.hpp"
 

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <system_error>
 #include <utility>
 
@@ -132,6 +133,21 @@ void TcpPort::send(modbus::Bytes bytes) {
   for (const auto& [connection, socket] : connections_) {
     send_or_shut(socket.get(), bytes);
   }
+}
+
+std::optional<ListenAddress> ListenAddress::parse(std::string_view text) {
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string_view::npos) {
+    return std::nullopt;
+  }
+  ListenAddress address{std::string(text.substr(0, colon))};
+  const std::string_view port = text.substr(colon + 1);
+  const char* const end = port.data() + port.size();
+  const auto number = std::from_chars(port.data(), end, address.port);
+  in_addr unused{};
+  const bool valid = number.ec == std::errc{} && number.ptr == end &&
+                     ::inet_pton(AF_INET, address.host.c_str(), &unused) == 1;
+  return valid ? std::optional(address) : std::nullopt;
 }
 
 }  // namespace mbgate::sim

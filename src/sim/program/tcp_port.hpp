@@ -4,16 +4,28 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "modbus/bytes.hpp"
 #include "modbus/result.hpp"
-#include "sim/program/listen_address.hpp"
 #include "sim/wire/tcp_bus.hpp"
 #include "sys/unique_fd.hpp"
 
 namespace mbgate::sim {
+
+// Where a simulated bus listens: an IPv4 address and a port, "127.0.0.1:1502".
+
+struct ListenAddress {
+  std::string host = "127.0.0.1";
+  std::uint16_t port = 0;  ///< 0: the kernel chooses
+
+  static std::optional<ListenAddress> parse(std::string_view text);
+  [[nodiscard]] std::string text() const { return host + ':' + std::to_string(port); }
+  friend bool operator==(const ListenAddress&, const ListenAddress&) = default;
+};
 
 class TcpPort {
  public:

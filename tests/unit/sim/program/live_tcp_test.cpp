@@ -8,7 +8,6 @@
 #include <array>
 
 #include "sim/program/live_bus.hpp"
-#include "sim/program/live_tcp_bus.hpp"
 #include "unit/sim/wire/wire_rig.hpp"
 
 namespace mbgate::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/boot_timer.hpp"
+#include "io/clock.hpp"
 
 #include <sys/timerfd.h>
 
