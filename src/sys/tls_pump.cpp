@@ -43,7 +43,7 @@ TlsPump::End TlsPump::shake_hands(std::optional<steady_clock::time_point> limit)
   return end_;
 }
 
-TlsPump::End TlsPump::carry(std::optional<milliseconds> patience) {
+TlsPump::End TlsPump::carry(std::optional<milliseconds> stall_limit) {
   while (end_ == End::none) {
     events_ = 0;
     const Move down = carry_down();
@@ -51,7 +51,7 @@ TlsPump::End TlsPump::carry(std::optional<milliseconds> patience) {
     if (up == Move::must_wait && down == Move::must_wait) {
       const bool sends = !up_.is_empty();
       wait(static_cast<short>((sends ? 0 : POLLIN) | (down_.is_empty() ? 0 : POLLOUT)),
-           sends ? patience.value_or(kForEver) : kForEver);
+           sends ? stall_limit.value_or(kForEver) : kForEver);
     }
   }
   return end_;

@@ -29,9 +29,9 @@ class TlsPump {
 
   /// Nothing as the limit: for ever.
   End shake_hands(std::optional<std::chrono::steady_clock::time_point> limit);
-  /// Until there is an end. `patience`: how long the other end of the stream may take nothing of
+  /// Until there is an end. `stall_limit`: how long the other end of the stream may take nothing of
   /// what it is sent.
-  End carry(std::optional<std::chrono::milliseconds> patience);
+  End carry(std::optional<std::chrono::milliseconds> stall_limit);
 
   [[nodiscard]] TlsStream::Step last_step() const { return last_step_; }
   /// Do we, or does the kernel, hold what the other end of the stream has not taken?
