@@ -174,6 +174,8 @@ class ASerialDeviceServer(unittest.TestCase):
     def test_serves_again_when_the_device_server_is_back(self):
         clients = dict(self.each_bus())
         self.plant.end_ser2net()
+        for client in clients.values():  # a closed connection is opened again when a request needs it
+            self.assertIn(client.ask(DRIVE, f"03 {DISTANCE} 0001"), ("830A", "830B"))
         refused = set()
         while refused != set(BUSES):
             line = self.plant.gateway.wait_for(r"bus (\w+): cannot connect to tcp://127\.0\.0\.1:\d+: Connection refused$")
