@@ -8,7 +8,7 @@
 #include "config/load.hpp"
 #include "ctl/request/connection.hpp"
 #include "ctl/request/report.hpp"
-#include "modbus/exception_code.hpp"
+#include "modbus/codes.hpp"
 
 namespace mbgate::ctl {
 namespace {

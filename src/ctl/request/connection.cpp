@@ -3,7 +3,7 @@
 
 #include "ctl/request/carry_out.hpp"
 #include "ctl/tls/certificate_role.hpp"
-#include "modbus/exception_code.hpp"
+#include "modbus/codes.hpp"
 
 namespace mbgate::ctl {
 namespace {
