@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Signals that come while the process starts. The configuration is read by then: who has changed it
-// meanwhile and sends SIGHUP must not end the gateway, and gets the reload.
+// Holds signals that arrive while the process starts. A SIGHUP then must not end the gateway; it
+// leads to a reload as soon as the gateway serves.
 #pragma once
 
 namespace mbgate::app {

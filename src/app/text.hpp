@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The line that mbgated hands to systemd.
+// The status line that `systemctl status` shows.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Instants as they stand in JSON.
+// Instants as text for JSON.
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON is UTF-8, and a path of the file system is any bytes.
+// Makes UTF-8, which JSON requires, of any bytes, such as a path of the file system.
 #pragma once
 
 #include <string>

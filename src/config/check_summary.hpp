@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is said of a configuration in which nothing is wrong.
+// What --check prints for a configuration without errors.
 #pragma once
 
 #include <string>

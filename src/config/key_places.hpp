@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where keys stand that deny requests, "mbgate.toml:12", beside the settings that were read there.
-// The gateway does not need them; whoever asks it why does.
+// The places of keys that deny requests, such as "mbgate.toml:12". The gateway does not need them;
+// `--check --who` names them.
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a configuration needs of the service beyond what every one does. It is read off the
-// settings; nothing is tried.
+// What a configuration needs from the system beyond the service as it is shipped, such as a port
+// below 1024. Derived from the settings; nothing is tried.
 #pragma once
 
 #include <string>

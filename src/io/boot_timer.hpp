@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A timer that goes on while the computer is suspended, as the clock does, and rings at once when
-// that wakes up. Those of Asio stand still meanwhile.
+// A timer that counts the time while the computer is suspended, as the clock does, and expires at
+// once when it wakes up. Asio's timers stand still meanwhile.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

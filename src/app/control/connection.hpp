@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A client's connection to the HTTP interface, be it over the Unix socket or over TCP.
+// A client's connection to the HTTP interface, over the Unix socket or over TCP.
 #pragma once
 
 #include <boost/asio/generic/stream_protocol.hpp>

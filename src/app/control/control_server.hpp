@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Answers the requests of the HTTP interface. Used on its thread alone, but for its construction.
+// Answers the requests of the HTTP interface. Used only on its own thread, except for its
+// construction.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>

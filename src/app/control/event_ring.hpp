@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The last lines that the journal got, for those who read along. There is one ring for all of them.
-// Each goes on after the event that it had last, and hears how many it has missed.
+// The last lines of the journal, for its subscribers, which share one ring. Each continues after
+// the event that it received last, and learns how many it has missed.
 #pragma once
 
 #include <chrono>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The clients that read along what the journal gets. All of this is used on the thread of the
-// HTTP interface alone.
+// The clients that follow the journal. Used only on the thread of the HTTP interface.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>

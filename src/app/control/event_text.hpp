@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Events as they go out: server-sent events (text/event-stream, in the HTML standard), with data in
-// JSON (docs/api.yaml).
+// Events as text: server-sent events (text/event-stream, in the HTML standard), with data in JSON
+// (docs/api.yaml).
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A question from one thread to another: who asks waits in a coroutine, for so long at most.
+// A question from one thread to another. The coroutine that asks waits for the answer, up to a
+// limit.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>

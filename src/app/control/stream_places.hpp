@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places for clients that follow something without an end, whatever it is: each costs a descriptor
-// as long as it reads. A quarter of them, and one at least, is for the Unix socket alone, so that
+// Limits the clients that follow a stream, events or the trace: each holds a descriptor as long as
+// it reads. A quarter of the places, and at least one, is reserved for the Unix socket, so that
 // readers over a network keep no operator out.
 #pragma once
 

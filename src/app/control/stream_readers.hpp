@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clients that follow something without an end, as server-sent events. Used on the thread of the
-// HTTP interface alone.
+// The clients of a stream of server-sent events. Used only on the thread of the HTTP interface.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>

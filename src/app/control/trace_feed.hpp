@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Brings the trace from the gateway's thread to that of the HTTP interface, some times a second,
-// while somebody reads it. Used on the gateway's thread alone.
+// Brings the trace from the gateway's thread to that of the HTTP interface, several times a second,
+// while somebody reads it. Used only on the gateway's thread.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The clients that read the trace. Used on the thread of the HTTP interface alone.
+// The clients that read the trace. Used only on the thread of the HTTP interface.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -22,7 +22,7 @@ namespace mbgate::app {
 
 class TraceStreams {
  public:
-  /// Told when the first one comes and when the last one has gone; perhaps after this object has.
+  /// Called when the first one comes and when the last one has gone, perhaps after this object.
   using Switch = std::function<void(bool)>;
 
   explicit TraceStreams(Switch set_traced);
@@ -39,28 +39,28 @@ class TraceStreams {
                                     std::function<std::string()> beside);
 
  private:
-  /// How many there are, and who is told of it.
-  struct Audience {
+  /// How many there are, and what is called when the first comes and the last has gone.
+  struct Subscribers {
     std::size_t size = 0;
     Switch set_traced;
   };
   /// One of them, as long as it is there.
-  class Seat {
+  class Subscription {
    public:
-    explicit Seat(std::shared_ptr<Audience> audience);
-    Seat(const Seat&) = delete;
-    Seat& operator=(const Seat&) = delete;
-    ~Seat();
+    explicit Subscription(std::shared_ptr<Subscribers> subscribers);
+    Subscription(const Subscription&) = delete;
+    Subscription& operator=(const Subscription&) = delete;
+    ~Subscription();
 
    private:
-    std::shared_ptr<Audience> audience_;
+    std::shared_ptr<Subscribers> subscribers_;
   };
 
   /// What is to be sent after the record `last`, which moves on; nothing if it is still to come.
   std::string next_text(const TraceFilter& filter, std::uint64_t& last) const;
 
   StreamReaders readers_;
-  std::shared_ptr<Audience> audience_ = std::make_shared<Audience>();
+  std::shared_ptr<Subscribers> subscribers_ = std::make_shared<Subscribers>();
   TraceRing ring_;
   std::uint64_t numbered_ = 0;  ///< records, also those that were lost
 };

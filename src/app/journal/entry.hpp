@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An entry of the journal as its fields: what `journalctl MBGATE_BUS=axes` and `journalctl -x` go
-// by.
+// An entry of the journal as its fields, which `journalctl MBGATE_BUS=axes` and `journalctl -x`
+// use.
 #pragma once
 
 #include <cstdint>

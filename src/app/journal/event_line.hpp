@@ -7,6 +7,9 @@
 
 namespace mbgate::app {
 
+/// A notice is an ordinary event or a recovery; a warning is for somebody to look at.
+Level level_of(const gateway::Event& event);
+
 /// The names are taken from the settings. What the machine itself limits, or must not be left out,
 /// is written however often it comes; the rest ten times a minute for each kind and place.
 void write_event(Log& log, const gateway::Event& event, const gateway::Settings& settings);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Why the gateway itself answers with an exception: one reason a code.
+// Why the gateway itself answers with an exception: one reason for each code.
 #pragma once
 
 #include <array>

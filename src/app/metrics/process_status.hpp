@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the process knows beside the machine.
+// What the process reports in addition to the machine's status: version, configuration,
+// certificates.
 #pragma once
 
 #include <chrono>

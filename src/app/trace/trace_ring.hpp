@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The last records of a trace, for all who read along. Each goes on after the record that it had
-// last, and hears how many it has missed: a slow reader holds up nobody.
+// The last records of a trace, for all its subscribers. Each continues after the record that it
+// received last, and learns how many it has missed: a slow reader delays nobody.
 #pragma once
 
 #include <chrono>

@@ -10,12 +10,13 @@ namespace {
 using gateway::Settings;
 using routing::Route;
 
+/// Warnings, because a gateway that is not configured yet can be asked for its status and reloaded.
 void check_present(Draft& draft) {
-  if (stands_nowhere(draft.document.root(), "listen")) {
-    draft.document.error({}, "no [[listen]]: nobody could connect");
-  }
   if (stands_nowhere(draft.document.root(), "bus")) {
-    draft.document.error({}, "no [[bus]]: there would be nothing to reach");
+    draft.document.warning({}, "no [[bus]] is configured: there is no line to any device");
+  }
+  if (stands_nowhere(draft.document.root(), "listen")) {
+    draft.document.warning({}, "no [[listen]] is configured: no client can connect");
   }
 }
 

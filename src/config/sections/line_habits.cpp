@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a serial line may be told, but is told by a slip of the finger more often than not.
+// Warnings of values of a serial line that are valid, but more often a slip of the finger.
 #include <array>
 #include <cmath>
 

@@ -20,7 +20,7 @@ void check_longest_quarantine(TomlTable& table, bool inherited, drive::DeviceTim
     return;
   }
   for (const auto* key : {"quarantine_max", "quarantine", "response_timeout"}) {
-    if (table.has(key)) {  // otherwise the bus has been told already
+    if (table.has(key)) {  // otherwise the error was reported at the bus
       table.error(key, "quarantine_max (" + to_text(timing.quarantine_max) +
                            ") is shorter than quarantine (" + to_text(first) +
                            (timing.quarantine ? ")" : ", one more response timeout)"));

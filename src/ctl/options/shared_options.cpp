@@ -40,7 +40,7 @@ void add_tls(CLI::App& command, ServerWords& words) {
   command.add_option("--key", identity.key, "with --tls: its private key, in PEM")->needs(tls);
   command
       .add_option("--authorities", identity.authorities,
-                  "with --tls: who may have signed the gateway's certificate, in PEM")
+                  "with --tls: authorities that may have signed the gateway's certificate, in PEM")
       ->needs(tls);
   command
       .add_option("--server-name", identity.server_name,

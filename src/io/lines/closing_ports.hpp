@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The serial ports that are being closed, which may take long. Whoever opens one of them next waits
-// for that, whichever bus it is: the port is not free before.
+// The serial ports that are being closed, which may take long. A bus that opens one of them waits
+// until the port is free.
 #pragma once
 
 #include <array>

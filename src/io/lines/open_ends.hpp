@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the lines have open: ports by their device numbers, servers by their addresses. Two buses on
-// one of them would talk into each other's transactions, whatever names lead there.
+// The serial ports and servers that lines have open, by device number and by address. It keeps two
+// buses from using the same one under different names: each would disturb the transactions of the
+// other.
 #pragma once
 
 #include <sys/stat.h>

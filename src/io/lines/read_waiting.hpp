@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads what can be read from a line now, and nothing that comes meanwhile: a peer that never stops
-// sending must not block the io thread.
+// Reads what is waiting in a line's descriptor, and nothing that arrives meanwhile: a peer that
+// never stops sending must not block the io thread.
 #pragma once
 
 #include <algorithm>

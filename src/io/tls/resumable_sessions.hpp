@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sessions of TLS that their clients may take up again (MB-TCP-Security v36, R-42). They are kept
-// here and nowhere else: a client gets a number, no ticket. The oldest goes first.
+// TLS sessions that their clients may resume (MB-TCP-Security v36, R-42). They are kept only here:
+// a client gets a number, no ticket. The oldest goes first.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is needed to reach a server over TLS as its client: our certificate, whose key the signer
-// has, and whom we trust. All of it is read anew for each connection, so that a renewed file needs
-// nothing but the next one. Reading files and asking the signer may block.
+// The TLS settings with which a line connects to a server: our certificate, whose key the signer
+// holds, and the authorities that we trust. The files are read for each connection, so that a
+// renewed one is used without a reload. Reading files and asking the signer may block.
 #pragma once
 
 #include <optional>

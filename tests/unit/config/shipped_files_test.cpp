@@ -30,6 +30,33 @@ TEST(CompleteFile, LoadsWithoutAWord) {
   EXPECT_EQ(loaded.settings->listeners.size(), 2U);
 }
 
+/// "# key = ..." and "# [[table]]", unlike the sentences around them.
+bool is_commented_setting(const std::string& line) {
+  if (!line.starts_with("# ")) {
+    return false;
+  }
+  const auto key_end = line.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_", 2);
+  return line.starts_with("# [[") ||
+         (key_end != std::string::npos && key_end > 2 && line.substr(key_end).starts_with(" = "));
+}
+
+/// What the package puts into /etc/mbgate.
+TEST(InstalledFile, ConfiguresNothingAndHasAnExampleThatLoads) {
+  const auto shipped = load_settings(kFolder + "etc/mbgate.toml");
+  ASSERT_TRUE(shipped.settings);
+  EXPECT_TRUE(shipped.settings->buses.empty());
+  std::istringstream lines(text_of(kFolder + "etc/mbgate.toml"));
+  std::string text;
+  for (std::string line; std::getline(lines, line);) {
+    text += is_commented_setting(line) ? line.substr(2) + "\n" : line + "\n";
+  }
+  const auto loaded = load_settings_text("mbgate.toml", text);
+  EXPECT_EQ(render(loaded.diagnostics), "");
+  ASSERT_TRUE(loaded.settings);
+  EXPECT_EQ(loaded.settings->listeners.size(), 1U);
+  EXPECT_EQ(loaded.settings->devices.size(), 1U);
+}
+
 /// What a newcomer copies first.
 TEST(Readme, HasACompleteConfiguration) {
   const auto text = text_of(MBGATE_SOURCE_DIR "/README.md");
@@ -55,16 +82,6 @@ TEST(AccessRulesPage, HasRulesThatLoad) {
   EXPECT_EQ(render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
   EXPECT_EQ(loaded.settings->rules.size(), 5U);
-}
-
-/// "# key = ..." and "# [[table]]", unlike the sentences around them.
-bool is_commented_setting(const std::string& line) {
-  if (!line.starts_with("# ")) {
-    return false;
-  }
-  const auto key_end = line.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_", 2);
-  return line.starts_with("# [[") ||
-         (key_end != std::string::npos && key_end > 2 && line.substr(key_end).starts_with(" = "));
 }
 
 /// The keys that are commented out are true as well: nothing there may rot.
