@@ -26,13 +26,13 @@ constexpr std::chrono::milliseconds kGrace{1000};
 constexpr std::chrono::milliseconds kLook{10};
 
 /// Forks; in the child `body` runs with the pipe's end, and the child exits.
-std::pair<pid_t, sim::FileDescriptor> fork_with_pipe(const std::function<void(int)>& body) {
+std::pair<pid_t, sys::UniqueFd> fork_with_pipe(const std::function<void(int)>& body) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) {
     throw std::system_error(errno, std::generic_category(), "pipe");
   }
-  sim::FileDescriptor reading(ends[0]);
-  const sim::FileDescriptor writing(ends[1]);
+  sys::UniqueFd reading(ends[0]);
+  const sys::UniqueFd writing(ends[1]);
   std::cout.flush();
   const pid_t parent = ::getpid();
   const pid_t process = ::fork();
@@ -68,8 +68,7 @@ unsigned long number_in(const std::filesystem::path& file, const std::string& na
 
 }  // namespace
 
-Child::Child(pid_t process, sim::FileDescriptor output)
-    : process_(process), output_(std::move(output)) {}
+Child::Child(pid_t process, sys::UniqueFd output) : process_(process), output_(std::move(output)) {}
 
 Child::Child(Child&& other) noexcept
     : process_(std::exchange(other.process_, 0)), output_(std::move(other.output_)) {}

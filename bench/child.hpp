@@ -10,7 +10,7 @@
 #include <string>
 
 #include "samples.hpp"
-#include "sim/program/file_descriptor.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::bench {
 
@@ -44,10 +44,10 @@ class Child {
   [[nodiscard]] Usage usage() const;
 
  private:
-  Child(pid_t process, sim::FileDescriptor output);
+  Child(pid_t process, sys::UniqueFd output);
 
   pid_t process_;
-  sim::FileDescriptor output_;
+  sys::UniqueFd output_;
 };
 
 }  // namespace mbgate::bench

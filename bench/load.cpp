@@ -16,7 +16,7 @@
 #include <system_error>
 
 #include "moment.hpp"
-#include "sim/program/file_descriptor.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::bench {
 namespace {
@@ -208,7 +208,7 @@ class Load {
 
   LoadSettings settings_;
   Plant plant_;
-  sim::FileDescriptor epoll_;
+  sys::UniqueFd epoll_;
   std::vector<Client> clients_;
   std::vector<Stream> idle_;
   std::optional<TlsClients> tls_;
@@ -220,8 +220,8 @@ class Load {
 
 }  // namespace
 
-sim::FileDescriptor connect_to(std::uint16_t port) {
-  sim::FileDescriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+sys::UniqueFd connect_to(std::uint16_t port) {
+  sys::UniqueFd socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(port);
@@ -256,7 +256,7 @@ void run_load(const LoadSettings& settings, const Plant& plant, const Doors& doo
 void run_flood(unsigned connections, std::uint16_t port) {
   // It stands for another computer, and so takes only what processors have left.
   ::setpriority(PRIO_PROCESS, 0, 19);
-  std::vector<sim::FileDescriptor> sockets(connections);
+  std::vector<sys::UniqueFd> sockets(connections);
   std::array<std::uint8_t, 4096> garbage{};
   std::uint32_t state = 1;
   for (auto& byte : garbage) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "plant.hpp"
-#include "sim/program/file_descriptor.hpp"
+#include "sys/unique_fd.hpp"
 #include "tls.hpp"
 
 namespace mbgate::bench {
@@ -60,6 +60,6 @@ void run_load(const LoadSettings& settings, const Plant& plant, const Doors& doo
 void run_flood(unsigned connections, std::uint16_t port);
 
 /// Connects to a port of 127.0.0.1; throws std::system_error.
-sim::FileDescriptor connect_to(std::uint16_t port);
+sys::UniqueFd connect_to(std::uint16_t port);
 
 }  // namespace mbgate::bench

@@ -22,13 +22,13 @@ constexpr std::chrono::milliseconds kLook{10};
 constexpr const char* kSigner = "signer.socket";
 
 struct Listening {
-  sim::FileDescriptor socket;
+  sys::UniqueFd socket;
   std::uint16_t port;
 };
 
 /// On 127.0.0.1, at a port that the kernel chooses.
 Listening listen_somewhere() {
-  sim::FileDescriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sys::UniqueFd socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);

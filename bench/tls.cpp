@@ -50,7 +50,7 @@ TlsSession TlsClients::shake_hands(int socket) const {
   return session;
 }
 
-Stream::Stream(sim::FileDescriptor socket, const TlsClients* tls) : socket_(std::move(socket)) {
+Stream::Stream(sys::UniqueFd socket, const TlsClients* tls) : socket_(std::move(socket)) {
   if (tls != nullptr) {
     session_ = tls->shake_hands(socket_.get());
     ::fcntl(socket_.get(), F_SETFL, ::fcntl(socket_.get(), F_GETFL) | O_NONBLOCK);

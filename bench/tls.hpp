@@ -11,7 +11,7 @@
 #include <memory>
 #include <span>
 
-#include "sim/program/file_descriptor.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::bench {
 
@@ -47,7 +47,7 @@ class TlsClients {
 class Stream {
  public:
   Stream() = default;
-  Stream(sim::FileDescriptor socket, const TlsClients* tls);
+  Stream(sys::UniqueFd socket, const TlsClients* tls);
 
   [[nodiscard]] bool is_open() const { return socket_.get() >= 0; }
   [[nodiscard]] int descriptor() const { return socket_.get(); }
@@ -61,7 +61,7 @@ class Stream {
   [[nodiscard]] std::ptrdiff_t receive(std::span<std::uint8_t> bytes);
 
  private:
-  sim::FileDescriptor socket_{};
+  sys::UniqueFd socket_{};
   TlsSession session_{};
 };
 

@@ -18,7 +18,7 @@ using gateway::ListenerSettings;
 /// In the journal, and as FileDescriptorName=.
 constexpr const char* kHttp = "http";
 
-/// Whatever is missing may come: another process ends. What is not permitted was refused before.
+/// Whatever is missing may come: another process ends, or somebody permits it.
 Result<tcp::acceptor, io::ListenFailure> bind_http(boost::asio::io_context& context,
                                                    const ListenerSettings& listener) {
   auto bound = io::bind_listener(context, listener);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "io/as_tuple.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {
@@ -51,7 +50,7 @@ bool Listeners::listen(ListenerId id, const ListenerSettings& listener,
   if (adopted) {
     return all;
   }
-  auto stored = stored_ != nullptr ? stored_->claim(listener) : io::UniqueFd();
+  auto stored = stored_ != nullptr ? stored_->claim(listener) : sys::UniqueFd();
   return keep(id, listener,
               stored.is_open() ? io::resume_listener(context_, listener, std::move(stored))
                                : bind_(context_, listener));
@@ -65,14 +64,19 @@ bool Listeners::keep(ListenerId id, const ListenerSettings& listener,
   }
   const auto& failure = acceptor.error();
   if (!failure.absent) {
-    log_.write(Level::error, failure.why,
-               {.id = message_id::kListenerRefused, .listener = listener.name});
+    refuse(listener, failure);
     return false;
   }
   log_.write(Level::warning, failure.why + "; " + waits_.promise,
              {.id = message_id::kListenerWaits, .listener = listener.name});
   waiting_.push_back({id, listener, failure.why});
   return true;
+}
+
+void Listeners::refuse(const ListenerSettings& listener, const io::ListenFailure& failure) {
+  is_denied_ = is_denied_ || failure.denied;
+  const MessageId id = failure.denied ? message_id::kDenied : message_id::kListenerRefused;
+  log_.write(Level::error, failure.why, {.id = id, .listener = listener.name});
 }
 
 void Listeners::add(ListenerId id, const ListenerSettings& listener, Acceptor acceptor) {
@@ -168,8 +172,7 @@ bool Listeners::open_all(const std::vector<std::size_t>& wanted,
   for (const std::size_t i : wanted) {
     bound.push_back(bind_(context_, settings[i]));
     if (!bound.back() && !bound.back().error().absent) {
-      log_.write(Level::error, bound.back().error().why,
-                 {.id = message_id::kListenerRefused, .listener = settings[i].name});
+      refuse(settings[i], bound.back().error());
       all = false;
     }
   }

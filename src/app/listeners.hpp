@@ -64,6 +64,8 @@ class Listeners {
   bool reload(const std::vector<gateway::ListenerSettings>& old,
               const std::vector<gateway::ListenerSettings>& next, const Drop& drop);
   void stop();
+  /// A listener was not permitted: trying again does not help.
+  [[nodiscard]] bool is_denied() const { return is_denied_; }
   /// How many listeners wait for their address.
   [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
 
@@ -83,6 +85,7 @@ class Listeners {
               std::vector<InheritedSocket>& inherited);
   bool keep(gateway::ListenerId id, const gateway::ListenerSettings& listener,
             Result<Acceptor, io::ListenFailure> acceptor);
+  void refuse(const gateway::ListenerSettings& listener, const io::ListenFailure& failure);
   void add(gateway::ListenerId id, const gateway::ListenerSettings& listener, Acceptor acceptor);
   void leave(gateway::ListenerId id, const gateway::ListenerSettings& listener, const Drop& drop);
   bool open_all(const std::vector<std::size_t>& wanted,
@@ -105,6 +108,7 @@ class Listeners {
   std::vector<Line> lines_;  ///< to be printed by start()
   std::vector<Waiting> waiting_;
   bool trying_ = false;
+  bool is_denied_ = false;
   std::set<gateway::ListenerId> inherited_;  ///< their sockets are systemd's
 };
 

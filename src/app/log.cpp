@@ -128,4 +128,18 @@ bool Log::flush(std::chrono::milliseconds limit) {
   return written->get_future().wait_for(limit) == std::future_status::ready;
 }
 
+RateLimit::Verdict RateLimit::count(const std::string& kind, bus::Instant now) {
+  Window& window = windows_.try_emplace(kind, Window{now}).first->second;
+  if (now - window.begin >= kWindow) {
+    window.begin = now;
+    window.lines = 0;
+  }
+  if (window.lines == kLinesPerWindow) {
+    ++window.left_out;
+    return {};
+  }
+  ++window.lines;
+  return {true, window.lines == kLinesPerWindow, std::exchange(window.left_out, 0)};
+}
+
 }  // namespace mbgate::app

@@ -27,8 +27,7 @@
 #include "config/check_summary.hpp"
 #include "config/load.hpp"
 #include "config/text_file.hpp"
-#include "io/clients/descriptors.hpp"
-#include "io/denials/advice.hpp"
+#include "io/clients/resources.hpp"
 
 namespace mbgate::app {
 namespace {
@@ -42,7 +41,7 @@ constexpr std::chrono::milliseconds kRecordingFlush{100};
 
 /// The file that a recording goes to, and its head.
 struct RecordingBegun {
-  io::UniqueFd file;
+  sys::UniqueFd file;
   std::string head;
 };
 
@@ -51,7 +50,9 @@ struct RecordingBegun {
 void lock_memory(Log& log) {
   rlimit limit{};
   if (::getrlimit(RLIMIT_MEMLOCK, &limit) != 0 || limit.rlim_cur != RLIM_INFINITY) {
-    log.write(Level::warning, "lock_memory: not done" + io::lock_advice(io::starter()),
+    log.write(Level::warning,
+              "lock_memory: not done; the limit of locked memory must be unlimited: the drop-in "
+              "realtime.conf of the service, or \"ulimit -l unlimited\"",
               {.id = message_id::kMemoryNotLocked});
   } else if (::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) {
     log.write(Level::warning,

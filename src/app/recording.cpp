@@ -7,7 +7,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "io/denials/advice.hpp"
+#include "io/advice.hpp"
 
 namespace mbgate::app {
 
@@ -18,13 +18,13 @@ fs::path recording_path(const fs::path& file, const char* state_directory) {
   return fs::path(all.substr(0, all.find(':'))) / file;
 }
 
-Result<io::UniqueFd, std::string> create_recording(const fs::path& file) {
+Result<sys::UniqueFd, std::string> create_recording(const fs::path& file) {
   std::error_code ignored;
   if (fs::is_regular_file(file, ignored)) {
     fs::rename(file, file.string() + ".1", ignored);
   }
   constexpr mode_t kOwnerOnly = 0600;
-  io::UniqueFd created(
+  sys::UniqueFd created(
       ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOCTTY, kOwnerOnly));
   if (!created.is_open()) {
     return recording_failure(file, errno);
@@ -32,13 +32,13 @@ Result<io::UniqueFd, std::string> create_recording(const fs::path& file) {
   return created;
 }
 
-std::string recording_failure(const fs::path& file, int error, io::Starter starter) {
+std::string recording_failure(const fs::path& file, int error) {
   const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
   return "cannot create the recording " + file.string() + ": " +
          std::generic_category().message(error) +
-         io::folder_advice(folder, error,
-                           "a FILE without a folder goes to its state directory, /var/lib/mbgate",
-                           starter);
+         io::folder_advice(
+             folder, error,
+             "name a FILE without a folder, which goes to the state directory, /var/lib/mbgate");
 }
 
 std::vector<gateway::ConfigFile> recorded_files(const std::vector<config::TextFile>& files) {

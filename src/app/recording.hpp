@@ -8,9 +8,8 @@
 
 #include "config/text_file.hpp"
 #include "gateway/recording/record.hpp"
-#include "io/denials/starter.hpp"
-#include "io/unique_fd.hpp"
 #include "modbus/result.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::app {
 
@@ -23,11 +22,10 @@ std::filesystem::path recording_path(const std::filesystem::path& file,
 /// Creates a file that only its owner can read, because it will hold all process data. An older
 /// recording of that name becomes FILE.1: a restart after a crash must not destroy the recording of
 /// the crash. The error names the file.
-Result<io::UniqueFd, std::string> create_recording(const std::filesystem::path& file);
+Result<sys::UniqueFd, std::string> create_recording(const std::filesystem::path& file);
 
 /// The text when creating it has failed with `error`: what the system said, and what helps.
-std::string recording_failure(const std::filesystem::path& file, int error,
-                              io::Starter starter = io::starter());
+std::string recording_failure(const std::filesystem::path& file, int error);
 
 /// The files of a configuration as a recording holds them: with paths that hold everywhere.
 std::vector<gateway::ConfigFile> recorded_files(const std::vector<config::TextFile>& files);

@@ -13,11 +13,10 @@
 
 #include "app/configuration/digest.hpp"
 #include "app/held_signals.hpp"
-#include "app/journal/event_line.hpp"
+#include "app/journal/event_topic.hpp"
 #include "app/systemd.hpp"
 #include "app/text.hpp"
-#include "io/as_tuple.hpp"
-#include "io/clients/descriptors.hpp"
+#include "io/clients/resources.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {
@@ -85,7 +84,10 @@ int Service::begin_listening() {
   }
   const bool serves =
       descriptors.clients > 0 && listeners_.begin(settings.listeners, std::move(inherited));
-  return serves ? EXIT_SUCCESS : EXIT_FAILURE;
+  if (serves) {
+    return EXIT_SUCCESS;
+  }
+  return listeners_.is_denied() ? EX_CONFIG : EXIT_FAILURE;
 }
 
 int Service::run() {

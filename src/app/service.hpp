@@ -18,11 +18,11 @@
 #include "app/listeners.hpp"
 #include "app/log.hpp"
 #include "app/stored_sockets.hpp"
+#include "app/systemd.hpp"
 #include "app/tls/certificates.hpp"
-#include "app/watchdog.hpp"
 #include "config/load.hpp"
 #include "io/blocking_calls.hpp"
-#include "io/clients/open_listeners.hpp"
+#include "io/clients/listening_socket.hpp"
 #include "io/gateway_driver.hpp"
 #include "io/tls/load_tls.hpp"
 

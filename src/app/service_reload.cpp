@@ -10,8 +10,7 @@
 #include "app/service.hpp"
 #include "app/systemd.hpp"
 #include "gateway/settings/numbering.hpp"
-#include "io/clients/descriptors.hpp"
-#include "io/denials/denials.hpp"
+#include "io/clients/resources.hpp"
 
 namespace mbgate::app {
 
@@ -142,15 +141,11 @@ bool Service::is_sound(const Configuration& read) {
 }
 
 bool Service::may_listen(const gateway::Settings& settings) {
-  const auto denials = io::denials(settings, from_systemd_.names);
-  for (const auto& denial : denials) {
-    say_of_reload(Level::error, denial, message_id::kDenied);
-  }
   const auto open = io::open_listeners(settings, from_systemd_);
   for (const auto& listener : open) {
     say_of_reload(Level::error, listener, message_id::kConfigurationWrong);
   }
-  return denials.empty() && open.empty();
+  return open.empty();
 }
 
 bool Service::has_certificates(const io::LoadedTls& tls) {

@@ -59,7 +59,7 @@ void StoredSockets::take(std::vector<InheritedSocket>& inherited,
     if (!name.starts_with(kPrefix)) {
       continue;
     }
-    io::UniqueFd socket = std::move(fd);
+    sys::UniqueFd socket = std::move(fd);
     if (is_wanted(name, socket.get(), listeners)) {
       found_.emplace(name, std::move(socket));  // or it is another copy of the same one
     } else {
@@ -69,9 +69,9 @@ void StoredSockets::take(std::vector<InheritedSocket>& inherited,
   std::erase_if(inherited, [](const InheritedSocket& it) { return it.name.starts_with(kPrefix); });
 }
 
-io::UniqueFd StoredSockets::claim(const ListenerSettings& listener) {
+sys::UniqueFd StoredSockets::claim(const ListenerSettings& listener) {
   auto entry = found_.extract(stored_name_of(listener));
-  return entry ? std::move(entry.mapped()) : io::UniqueFd();
+  return entry ? std::move(entry.mapped()) : sys::UniqueFd();
 }
 
 void StoredSockets::end_unclaimed() {
@@ -85,7 +85,7 @@ void StoredSockets::keep(const ListenerSettings& listener, tcp::acceptor& accept
   const std::string name = stored_name_of(listener);
   const int socket = acceptor.native_handle();
   if (!name.empty() && store_(name, socket)) {
-    kept_.insert_or_assign(name, io::UniqueFd(::fcntl(socket, F_DUPFD_CLOEXEC, 0)));
+    kept_.insert_or_assign(name, sys::UniqueFd(::fcntl(socket, F_DUPFD_CLOEXEC, 0)));
   }
 }
 
@@ -97,7 +97,7 @@ void StoredSockets::end(const ListenerSettings& listener) {
 
 // systemd has a copy until it has read this. To shut the socket down ends the listening of all
 // copies: the address can be bound at once, and nobody waits where nobody will come.
-void StoredSockets::end(const std::string& name, const io::UniqueFd& socket) {
+void StoredSockets::end(const std::string& name, const sys::UniqueFd& socket) {
   ::shutdown(socket.get(), SHUT_RDWR);
   remove_(name);
 }

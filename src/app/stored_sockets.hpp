@@ -12,7 +12,7 @@
 
 #include "app/systemd.hpp"
 #include "gateway/settings.hpp"
-#include "io/unique_fd.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::app {
 
@@ -34,7 +34,7 @@ class StoredSockets {
   void take(std::vector<InheritedSocket>& inherited,
             const std::vector<gateway::ListenerSettings>& listeners);
   /// The one that an earlier process has bound for this listener; else none.
-  [[nodiscard]] io::UniqueFd claim(const gateway::ListenerSettings& listener);
+  [[nodiscard]] sys::UniqueFd claim(const gateway::ListenerSettings& listener);
   /// Nobody claims any more: ends the others.
   void end_unclaimed();
 
@@ -47,8 +47,8 @@ class StoredSockets {
   void let_go() { kept_.clear(); }
 
  private:
-  using Sockets = std::map<std::string, io::UniqueFd>;
-  void end(const std::string& name, const io::UniqueFd& socket);
+  using Sockets = std::map<std::string, sys::UniqueFd>;
+  void end(const std::string& name, const sys::UniqueFd& socket);
 
   Store store_;
   Remove remove_;

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <memory>
+#include <utility>
 
 namespace mbgate::app {
 namespace {
@@ -24,7 +25,7 @@ std::vector<InheritedSocket> take_inherited_sockets() {
   const Allocated<char*> names(list, &std::free);
   for (int i = 0; i < count; ++i) {
     const Allocated<char> name(names.get()[i], &std::free);
-    sockets.push_back({name.get(), io::UniqueFd(SD_LISTEN_FDS_START + i)});
+    sockets.push_back({name.get(), sys::UniqueFd(SD_LISTEN_FDS_START + i)});
   }
   return sockets;
 }
@@ -65,6 +66,37 @@ bool store_socket(const std::string& name, int socket) {
 
 void remove_stored_socket(const std::string& name) {
   ::sd_notify(0, ("FDSTOREREMOVE=1\nFDNAME=" + name).c_str());
+}
+
+namespace {
+
+/// Part of the limit after which a gateway that was not well is looked at again. After a process
+/// was stopped and continued, this may be called before the driver that catches up: that must not
+/// cost half of the limit.
+constexpr int kLooksAgain = 10;
+
+}  // namespace
+
+Watchdog::Watchdog(boost::asio::io_context& context, std::function<bool()> is_well,
+                   std::function<void()> feed)
+    : timer_(context), is_well_(std::move(is_well)), feed_(std::move(feed)) {}
+
+void Watchdog::start(std::chrono::microseconds limit) {
+  limit_ = limit;
+  look();
+}
+
+void Watchdog::look() {
+  const bool is_well = is_well_();
+  if (is_well) {
+    feed_();
+  }
+  timer_.expires_after(is_well ? limit_ / 2 : limit_ / kLooksAgain);
+  timer_.async_wait([this](const boost::system::error_code& error) {
+    if (!error) {
+      look();
+    }
+  });
 }
 
 }  // namespace mbgate::app

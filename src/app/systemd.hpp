@@ -3,12 +3,15 @@
 // does nothing.
 #pragma once
 
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "io/unique_fd.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::app {
 
@@ -16,7 +19,7 @@ namespace mbgate::app {
 /// FileDescriptorName=, or the name it was stored with.
 struct InheritedSocket {
   std::string name;
-  io::UniqueFd fd;
+  sys::UniqueFd fd;
 };
 
 /// Takes over the sockets, once.
@@ -39,5 +42,30 @@ void notify_alive();
 bool store_socket(const std::string& name, int socket);
 /// systemd closes its copies of the sockets of this name.
 void remove_stored_socket(const std::string& name);
+
+// Tells systemd again and again that the gateway is well, from the thread that runs it. A gateway
+// that hangs says nothing, and neither does one that misses its deadlines: systemd then ends it and
+// starts another one.
+
+class Watchdog {
+ public:
+  /// `is_well` is asked before each `feed`.
+  Watchdog(boost::asio::io_context& context, std::function<bool()> is_well,
+           std::function<void()> feed);
+  Watchdog(const Watchdog&) = delete;
+  Watchdog& operator=(const Watchdog&) = delete;
+  ~Watchdog() = default;
+
+  /// Feeds now, and then every half of `limit`, until the io_context ends.
+  void start(std::chrono::microseconds limit);
+
+ private:
+  void look();
+
+  boost::asio::steady_timer timer_;
+  std::function<bool()> is_well_;
+  std::function<void()> feed_;
+  std::chrono::microseconds limit_{0};
+};
 
 }  // namespace mbgate::app

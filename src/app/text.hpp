@@ -2,8 +2,11 @@
 // The status line that `systemctl status` shows.
 #pragma once
 
+#include <chrono>
 #include <string>
+#include <string_view>
 
+#include "bus/settings.hpp"
 #include "gateway/gateway.hpp"
 
 namespace mbgate::app {
@@ -12,5 +15,31 @@ namespace mbgate::app {
 /// address.
 std::string status_text(const gateway::Settings& settings, const gateway::Status& status,
                         std::size_t listeners_waiting);
+
+// The framing of a line as it stands in JSON (docs/api.yaml).
+
+constexpr const char* framing_word(bus::Framing framing) {
+  switch (framing) {
+    case bus::Framing::rtu: return "rtu";
+    case bus::Framing::ascii: return "ascii";
+    case bus::Framing::tcp: return "tcp";
+  }
+  return "";
+}
+
+// Instants as text for JSON.
+
+/// "2026-11-24T22:10:00", in UTC, the second that has begun; what follows it, and the final Z, are
+/// the caller's.
+std::string utc_second(std::chrono::system_clock::time_point instant);
+/// "2026-11-24T22:10:00.123Z"
+std::string utc_millisecond(std::chrono::system_clock::time_point instant);
+/// "2026-11-24T22:10:00.123456Z"
+std::string utc_microsecond(std::chrono::system_clock::time_point instant);
+
+// Makes UTF-8, which JSON requires, of any bytes, such as a path of the file system.
+
+/// The text, with U+FFFD in place of each byte that is no part of a valid character (RFC 3629).
+std::string valid_utf8(std::string_view text);
 
 }  // namespace mbgate::app

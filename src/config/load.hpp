@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "config/diagnostic.hpp"
-#include "config/key_places.hpp"
 #include "config/profiles/profile_library.hpp"
 #include "config/text_file.hpp"
 #include "gateway/settings.hpp"

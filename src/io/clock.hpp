@@ -4,8 +4,11 @@
 // as it is for the client.
 #pragma once
 
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
 #include <chrono>
 #include <ctime>
+#include <functional>
 
 #include "bus/instant.hpp"
 
@@ -19,5 +22,24 @@ inline bus::Instant now() {
 
 /// now(), or what a test has instead.
 using Clock = bus::Instant (*)();
+
+// A timer that counts the time while the computer is suspended, as the clock does, and expires at
+// once when it wakes up. Asio's timers stand still meanwhile.
+
+class BootTimer {
+ public:
+  BootTimer(boost::asio::io_context& context, std::function<void()> on_ring);
+
+  /// Rings once, after so long; what it was set to before is forgotten. It may ring for that all
+  /// the same, if that is over already.
+  void set(bus::Duration after);
+
+ private:
+  void wait();
+
+  boost::asio::posix::stream_descriptor timer_;
+  std::function<void()> on_ring_;
+  bool waits_ = false;
+};
 
 }  // namespace mbgate::io

@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "gateway/access/rule_verdict.hpp"
-#include "io/clients/descriptors.hpp"
+#include "io/clients/resources.hpp"
 
 namespace mbgate::io {
 namespace {

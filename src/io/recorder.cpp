@@ -35,8 +35,8 @@ int write_all(int file, std::string_view text) {
 /// What the two threads share. Nobody holds the lock while it writes, and the io thread never waits
 /// for it but in close().
 struct Recorder::Shared {
-  explicit Shared(UniqueFd descriptor) : file(std::move(descriptor)) {}
-  UniqueFd file;
+  explicit Shared(sys::UniqueFd descriptor) : file(std::move(descriptor)) {}
+  sys::UniqueFd file;
   std::mutex mutex;
   std::condition_variable wake;
   std::condition_variable ended;
@@ -46,7 +46,7 @@ struct Recorder::Shared {
   int error = 0;
 };
 
-Recorder::Recorder(UniqueFd file, const std::string& head, OnEnded on_ended)
+Recorder::Recorder(sys::UniqueFd file, const std::string& head, OnEnded on_ended)
     : shared_(std::make_shared<Shared>(std::move(file))),
       noted_(head),
       on_ended_(std::move(on_ended)) {

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "gateway/recording/record.hpp"
-#include "io/unique_fd.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::io {
 
@@ -23,7 +23,7 @@ class Recorder {
   using OnEnded = std::function<void(const std::string& why)>;
 
   /// `head` is what head_lines() gives.
-  Recorder(UniqueFd file, const std::string& head, OnEnded on_ended);
+  Recorder(sys::UniqueFd file, const std::string& head, OnEnded on_ended);
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
   /// Does not wait. What was handed over is still written if the process lives long enough.

@@ -9,33 +9,24 @@
 #include <openssl/pem.h>
 #include <openssl/rsa.h>
 #include <openssl/x509.h>
+#include <openssl/x509v3.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <iostream>
 #include <system_error>
 
-#include "signer/authority.hpp"
+#include "sys/openssl.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::signer {
 namespace {
 
 /// RSA with 16384 bits takes 13 KiB.
 constexpr std::size_t kLargestFile = 16'384;
-
-struct Descriptor {
-  int fd;
-  explicit Descriptor(int opened) : fd(opened) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (fd >= 0) {
-      ::close(fd);
-    }
-  }
-};
 
 /// Why no file of this name may be used; empty: it may.
 std::string objection(const KeyStore& store, const std::string& name) {
@@ -86,15 +77,14 @@ std::optional<Octets> finish(EVP_PKEY_CTX* context, std::span<const std::uint8_t
 }  // namespace
 
 std::optional<KeyFile> KeyFile::read(std::string_view pem, const std::string& name) {
-  BIO* const source = BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size()));
-  EVP_PKEY* const key = PEM_read_bio_PrivateKey(source, nullptr, no_password, nullptr);
-  BIO_free(source);
+  const sys::BioHandle source(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())));
+  sys::KeyHandle key(PEM_read_bio_PrivateKey(source.get(), nullptr, no_password, nullptr));
   ERR_clear_error();
-  if (key == nullptr) {
+  if (!key) {
     return std::nullopt;
   }
-  KeyFile file(key, name);
-  const int kind = EVP_PKEY_get_base_id(key);
+  const int kind = EVP_PKEY_get_base_id(key.get());
+  KeyFile file(std::move(key), name);
   return kind == EVP_PKEY_RSA || kind == EVP_PKEY_EC ? std::optional(std::move(file))
                                                      : std::nullopt;
 }
@@ -104,10 +94,10 @@ KeyFile::Opened KeyFile::open(const KeyStore& store, const std::string& name) {
     return {std::nullopt, std::move(why)};
   }
   // Not to wait where somebody has put a named pipe.
-  const Descriptor file(
+  const sys::UniqueFd file(
       ::open((store.folder + "/" + name).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   struct stat facts {};
-  if (file.fd < 0 || ::fstat(file.fd, &facts) != 0) {
+  if (!file.is_open() || ::fstat(file.get(), &facts) != 0) {
     return {std::nullopt, errno == ELOOP ? name + ": it is a link"
                                          : name + ": " + std::generic_category().message(errno)};
   }
@@ -115,7 +105,7 @@ KeyFile::Opened KeyFile::open(const KeyStore& store, const std::string& name) {
     return {std::nullopt, name + ": " + why};
   }
   std::array<char, kLargestFile> pem{};
-  const ssize_t size = ::read(file.fd, pem.data(), pem.size());
+  const ssize_t size = ::read(file.get(), pem.data(), pem.size());
   auto key = size > 0 ? read({pem.data(), static_cast<std::size_t>(size)}, name) : std::nullopt;
   OPENSSL_cleanse(pem.data(), pem.size());
   if (!key) {
@@ -152,10 +142,7 @@ std::string_view KeyFile::objection(signing::Question how,
 
 std::optional<Octets> KeyFile::sign(signing::Question how,
                                     std::span<const std::uint8_t> bytes) const {
-  struct FreeContext {
-    void operator()(EVP_PKEY_CTX* context) const { EVP_PKEY_CTX_free(context); }
-  };
-  const std::unique_ptr<EVP_PKEY_CTX, FreeContext> context(EVP_PKEY_CTX_new(key_.get(), nullptr));
+  const sys::KeyUseHandle context(EVP_PKEY_CTX_new(key_.get(), nullptr));
   const bool begun = context && EVP_PKEY_sign_init(context.get()) > 0;
   const int padding = how == signing::Question::rsa_pkcs1 ? RSA_PKCS1_PADDING : RSA_NO_PADDING;
   const bool ready =
@@ -163,6 +150,52 @@ std::optional<Octets> KeyFile::sign(signing::Question how,
   auto signature = ready ? finish(context.get(), bytes) : std::nullopt;
   ERR_clear_error();
   return signature;
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 3> kEndings{".crt", ".pem", ".cer"};
+
+bool may_have_certificates(const fs::path& file, std::string_view key_file) {
+  const std::string ending = file.extension().string();
+  return file.filename() == key_file || std::ranges::find(kEndings, ending) != kEndings.end();
+}
+
+/// One behind the other: a file may have a chain, and other things between its certificates.
+bool has_authority_of(const fs::path& file, const EVP_PKEY* key) {
+  const sys::BioHandle text(BIO_new_file(file.c_str(), "r"));
+  if (!text) {
+    std::cerr << file.string() << ": cannot be read, so it is not known whether an authority's "
+              << "certificate is there\n";
+  }
+  bool found = false;
+  while (text && !found && BIO_eof(text.get()) == 0) {
+    const sys::CertificateHandle certificate(
+        PEM_read_bio_X509(text.get(), nullptr, nullptr, nullptr));
+    found = certificate && X509_check_ca(certificate.get()) != 0 &&
+            EVP_PKEY_eq(X509_get0_pubkey(certificate.get()), key) == 1;
+  }
+  ERR_clear_error();
+  return found;
+}
+
+}  // namespace
+
+fs::path authority_certificate(const fs::path& folder, std::string_view key_file, EVP_PKEY* key) {
+  std::error_code error;
+  for (auto entry = fs::directory_iterator(folder, error); entry != fs::directory_iterator();
+       entry.increment(error)) {
+    if (may_have_certificates(entry->path(), key_file) && entry->is_regular_file(error) &&
+        has_authority_of(entry->path(), key)) {
+      return entry->path();
+    }
+  }
+  if (error && error != std::errc::no_such_file_or_directory) {
+    std::cerr << folder.string() << ": " << error.message() << '\n';
+  }
+  return {};
 }
 
 }  // namespace mbgate::signer

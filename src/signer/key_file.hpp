@@ -6,15 +6,17 @@
 #include <openssl/evp.h>
 
 #include <cstdint>
-#include <memory>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/signing.hpp"
 #include "signer/padding.hpp"
+#include "sys/openssl.hpp"
 
 namespace mbgate::signer {
 
@@ -48,14 +50,11 @@ class KeyFile {
                                            std::span<const std::uint8_t> bytes) const;
 
  private:
-  struct Free {
-    void operator()(EVP_PKEY* key) const { EVP_PKEY_free(key); }
-  };
-  KeyFile(EVP_PKEY* key, std::string name) : key_(key), name_(std::move(name)) {}
+  KeyFile(sys::KeyHandle key, std::string name) : key_(std::move(key)), name_(std::move(name)) {}
   static std::optional<KeyFile> read(std::string_view pem, const std::string& name);
   [[nodiscard]] bool is_rsa() const { return EVP_PKEY_get_base_id(key_.get()) == EVP_PKEY_RSA; }
 
-  std::unique_ptr<EVP_PKEY, Free> key_;
+  sys::KeyHandle key_;
   std::string name_;
 };
 
@@ -63,5 +62,14 @@ struct KeyFile::Opened {
   std::optional<KeyFile> key;
   std::string why;
 };
+
+// Whether a key is an authority's. Whoever signs with that one makes certificates of any role, so
+// it is no key for a gateway.
+
+/// A file of `folder` with the certificate of an authority that has this key; empty: there is none.
+/// It is looked for in files whose names end as those of certificates do, and in `key_file`. A
+/// file that cannot be read is named in the journal; a folder need not be there.
+std::filesystem::path authority_certificate(const std::filesystem::path& folder,
+                                            std::string_view key_file, EVP_PKEY* key);
 
 }  // namespace mbgate::signer

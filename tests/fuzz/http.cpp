@@ -10,8 +10,8 @@
 #include "app/control/event_streams.hpp"
 #include "app/control/tcp_rules.hpp"
 #include "app/page/page_answer.hpp"
+#include "app/text.hpp"
 #include "app/trace/trace_filter.hpp"
-#include "app/utf8.hpp"
 #include "fuzz/fuzz.hpp"
 
 namespace mbgate::fuzz::http_target {

@@ -111,7 +111,7 @@ class MachineFaults(FaultCase):
         self.assertEqual((status, len(body["messages"]) >= lines), (422, True), body)
         self.configuration.write_text(text, encoding="utf-8")
 
-    def test_a_read_only_place_is_told_before_anybody_is_served(self):
+    def test_a_read_only_place_is_told(self):
         place = self.folder / "read-only"
         place.mkdir()
         within = with_read_only(place)
@@ -122,16 +122,17 @@ class MachineFaults(FaultCase):
         elsewhere = sound.replace(str(self.control), f"{place}/control")
         self.assertNotEqual(elsewhere, sound)
         self.configuration.write_text(elsewhere, encoding="utf-8")
-        refused = Process(self.folder, "mbgated", "--config", self.configuration, wrapped=within)
-        self.addCleanup(refused.end)
-        refused.wait_for(rf'^error: \[http\] socket = "{place}/control": Read-only file system$')
-        self.assertEqual(refused.wait(), 78)
+        serving = Process(self.folder, "mbgated", "--config", self.configuration, wrapped=within)
+        self.addCleanup(serving.end)
+        serving.wait_for(f"^warning: control socket {place}/control: Read-only file system; .*ReadWritePaths=")
+        serving.wait_for("^listening plant ")
+        self.assertEqual(serving.end(), 0)
         self.configuration.write_text(sound, encoding="utf-8")
         # A recording was asked for by whoever starts it: it is told at once.
         recording = ("--config", self.configuration, "--record", place / "plant.rec")
         refused = Process(self.folder, "mbgated", *recording, wrapped=within)
         self.addCleanup(refused.end)
-        refused.wait_for(f"^mbgated: cannot create the recording {place}/plant.rec: Read-only file system$")
+        refused.wait_for(f"^mbgated: cannot create the recording {place}/plant.rec: Read-only file system; ")
         self.assertEqual(refused.wait(), 73)
 
     def test_without_descriptors_those_who_are_served_are_served(self):

@@ -21,10 +21,12 @@ DRIVE = MODBUS | {"drive"}
 ROUTING = DRIVE | {"routing"}
 BUS = DRIVE | {"bus"}
 GATEWAY = ROUTING | BUS | {"gateway"}
-IO = GATEWAY | {"io"}
+SYS = BASE | {"sys"}
+IO = GATEWAY | SYS | {"io"}
 CONFIG = DRIVE | {"config"}
 MODULES = {
     "base": BASE,
+    "sys": SYS,
     "modbus": MODBUS,
     "drive": DRIVE,
     "routing": ROUTING,
@@ -32,16 +34,16 @@ MODULES = {
     "gateway": GATEWAY,
     "config": CONFIG,
     "io": IO,
-    "signer": BASE | {"signer"},
+    "signer": SYS | {"signer"},
     "app": IO | CONFIG | {"app"},
-    "sim": CONFIG | {"sim"},
-    "ctl": CONFIG | {"ctl"},
+    "sim": CONFIG | SYS | {"sim"},
+    "ctl": CONFIG | SYS | {"ctl"},
 }
 # Folders that see more than the rest of their module: a replay runs the machine itself; a role in a certificate is
 # shown as a gateway reads it.
 FOLDERS = {
-    "ctl/replay": GATEWAY | CONFIG | {"ctl"},
-    "ctl/tls": ROUTING | CONFIG | {"ctl"},
+    "ctl/replay": GATEWAY | CONFIG | SYS | {"ctl"},
+    "ctl/tls": ROUTING | CONFIG | SYS | {"ctl"},
 }
 # Single headers beyond a module's arrows: plain data that carries no decision.
 SETTINGS = {"gateway/settings.hpp", "gateway/limits.hpp", "routing/route.hpp", "routing/client_address.hpp",
@@ -63,7 +65,7 @@ TEST_FOLDERS = {
     "manuals": MODBUS,
 }
 # The harness is no part of the gateway, nor does it know it: CRCs and ptys, and the machine for what is timed alone.
-BENCH = GATEWAY | {"sim"}
+BENCH = GATEWAY | SYS | {"sim"}
 # What it shares with the tests: one loop that takes the machine's actions.
 BENCH_TESTS = {"support/gateway_harness.hpp"}
 
@@ -85,7 +87,7 @@ LIBRARIES = (
     (r"systemd/", r"src/app/(systemd|journal/journal)\."),
     (r"modbus/modbus\.h|modbus\.h", r"src/ctl/|tests/integration/"),
     (r"prometheus/", r"src/app/metrics/|tests/unit/app/metrics/"),
-    (r"openssl/", r"src/(io/(tls|uplink)|signer|ctl/tls)/|tests/unit/(io/(tls|uplink)|signer)/|bench/tls\."),
+    (r"openssl/", r"src/(sys|io/(tls|uplink)|signer|ctl/tls)/|tests/unit/(sys|io/(tls|uplink)|signer)/|bench/tls\."),
     (r"n?curses|term\.h", r"src/ctl/control/screen_shell\."),
     (r"CLI/", r"src/(app|ctl|sim)/(command_line|main)\.|src/ctl/options/|bench/main\."),
     (r"gtest/|gmock/", r"tests/"),

@@ -8,11 +8,11 @@ HERE = "tests/tidy/fronts.py"
 FRONTS = {
     "app/configuration": {"digest", "route_changes"},
     "app/control": {"control"},
-    "app/journal": {"entry", "event_line", "journal"},
-    "app/metrics": {"metrics", "process_status"},
+    "app/journal": {"event_topic", "journal"},
+    "app/metrics": {"metrics"},
     "app/page": {"page_answer"},
     "app/tls": {"certificates"},
-    "app/trace": {"trace_filter", "trace_json", "trace_ring"},
+    "app/trace": {"trace_filter", "trace_json"},
     "app/who": {"who_options"},
     "bus/health": {"adapter_watch", "device_table", "line_diagnosis", "line_quality", "probes"},
     "bus/queue": {"acknowledged_stops", "admission", "bus_queue", "last_sent", "payback", "scheduler", "stop_lane"},
@@ -25,7 +25,7 @@ FRONTS = {
     "config/profiles": {"profile_entries", "profile_file", "profile_library"},
     "config/sections": {"sections"},
     "config/toml": {
-        "duration_text", "match_entry", "suggestion", "toml_reader", "toml_value", "unit_range", "words",
+        "duration_text", "match_entry", "suggestion", "toml_reader", "toml_value",
     },
     "ctl/control": {"control_shell", "event_reader"},
     "ctl/doctor": set(),
@@ -34,8 +34,8 @@ FRONTS = {
     "ctl/replay": set(),
     "ctl/request": {"carry_out", "command", "modbus_client", "repetition", "report", "value_text"},
     "ctl/scan": {"scan"},
-    "ctl/serial": {"heard", "line_mode", "serial_client", "serial_port"},
-    "ctl/tls": {"certificate_role", "tls_tunnel"},
+    "ctl/serial": {"heard", "serial_client", "serial_port"},
+    "ctl/tls": {"certificate_role", "handshake"},
     "ctl/trace": set(),
     "gateway/access": {"access_book", "report_limit", "rule_verdict", "who"},
     "gateway/clients": {"clients", "sessions"},
@@ -45,16 +45,15 @@ FRONTS = {
     "gateway/trace": {"trace_book", "trace_record", "trace_text"},
     "gateway/settings": {"device_index", "numbering", "settings_snapshot"},
     "gateway/writes": {"failsafe_writes", "write_rules"},
-    "io/clients": {"client_connections", "descriptors", "hangup_watch", "listening_socket", "open_listeners", "server_set", "tcp_server"},
-    "io/denials": {"advice", "denials", "starter"},
-    "io/lines": {"line_set"},
+    "io/clients": {"client_connections", "hangup_watch", "listening_socket", "resources", "tcp_server"},
+    "io/lines": {"line"},
     "io/tls": {
-        "load_tls", "openssl_handles", "pem_files", "record_gate", "remote_key", "sha256", "signer_client", "tls_door",
+        "fingerprint", "load_tls", "pem_files", "remote_key", "signer_client", "tls_door",
     },
     "io/uplink": {"tls_uplink"},
     "sim/drives": {"device"},
     "sim/program": {"simulator"},
-    "sim/wire": {"framing", "request_framer", "tcp_bus", "wire"},
+    "sim/wire": {"request_framer", "tcp_bus", "wire"},
 }
 # Tests of several modules, and the bench, see these behind the front headers too.
 BEHIND = {
@@ -66,7 +65,7 @@ BEHIND = {
         "sim/drives/maps/aic_map.hpp", "sim/drives/maps/fda6000_map.hpp", "sim/drives/maps/moons_map.hpp",
         "sim/drives/maps/stepper_map.hpp",
     },
-    "bench": {"sim/program/file_descriptor.hpp", "sim/program/pty.hpp"},
+    "bench": {"sim/program/pty.hpp"},
 }
 
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "io/tls/sha256.hpp"
+#include "io/tls/fingerprint.hpp"
 
 namespace mbgate::app {
 namespace {

@@ -10,9 +10,9 @@
 #include <new>
 #include <utility>
 
-#include "app/control/control_socket.hpp"
+#include "app/control/control_doors.hpp"
 #include "io/blocking_calls.hpp"
-#include "io/unique_fd.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::app {
 
@@ -120,7 +120,7 @@ std::string Control::listen_on(gateway::ListenerId id, tcp::acceptor acceptor) {
   try {
     begin();
     const auto protocol = acceptor.local_endpoint().protocol();
-    io::UniqueFd socket(acceptor.release());
+    sys::UniqueFd socket(acceptor.release());
     auto moved = std::make_shared<tcp::acceptor>(*home_);
     moved->assign(protocol, socket.get());
     socket.release();

@@ -21,7 +21,7 @@
 #include <thread>
 
 #include "app/control/control_server.hpp"
-#include "app/control/trace_feed.hpp"
+#include "app/control/trace_streams.hpp"
 #include "app/log.hpp"
 #include "gateway/settings.hpp"
 

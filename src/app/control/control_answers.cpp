@@ -4,7 +4,7 @@
 #include <boost/beast/http.hpp>
 #include <boost/json/serialize.hpp>
 
-#include "app/utf8.hpp"
+#include "app/text.hpp"
 
 namespace mbgate::app {
 

@@ -19,8 +19,9 @@
 #include <vector>
 
 #include "app/control/asker.hpp"
-#include "app/control/connection.hpp"
 #include "app/control/http_places.hpp"
+#include "app/control/stream_readers.hpp"
+#include "modbus/result.hpp"
 #include "routing/client_address.hpp"
 #include "routing/route.hpp"
 
@@ -82,5 +83,13 @@ class ControlDoors {
   HttpPlaces of_tcp_;
   std::set<routing::ClientAddress> reported_;  ///< addresses that refused_ was called for
 };
+
+// The socket that mbgatectl talks to: a Unix socket in the file system, which its owner and group
+// may use.
+
+/// Listens at `path`. What an ended process has left there is replaced. The error says why not, in
+/// a sentence that names the path.
+Result<boost::asio::local::stream_protocol::acceptor, std::string> open_control_socket(
+    boost::asio::io_context& context, const std::string& path);
 
 }  // namespace mbgate::app

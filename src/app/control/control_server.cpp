@@ -17,8 +17,7 @@
 #include "app/control/tcp_rules.hpp"
 #include "app/metrics/metrics.hpp"
 #include "app/page/page_answer.hpp"
-#include "app/utf8.hpp"
-#include "io/as_tuple.hpp"
+#include "app/text.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {

@@ -18,12 +18,11 @@
 #include <vector>
 
 #include "app/control/asker.hpp"
-#include "app/control/connection.hpp"
 #include "app/control/control_doors.hpp"
 #include "app/control/control_target.hpp"
 #include "app/control/event_streams.hpp"
 #include "app/control/request_reader.hpp"
-#include "app/control/stream_places.hpp"
+#include "app/control/stream_readers.hpp"
 #include "app/control/trace_streams.hpp"
 #include "gateway/settings.hpp"
 

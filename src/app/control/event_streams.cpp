@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <boost/beast/http/status.hpp>
+#include <boost/json/object.hpp>
+#include <boost/json/serialize.hpp>
 #include <charconv>
 #include <functional>
 #include <system_error>
 #include <utility>
 
-#include "app/control/event_text.hpp"
+#include "app/text.hpp"
 
 namespace mbgate::app {
 
@@ -50,6 +52,41 @@ std::string EventStreams::next_text(std::uint64_t& last) const {
   }
   last = next->event.id;
   return (next->lost > 0 ? lost_text(next->lost) : "") + event_text(next->event);
+}
+
+std::string event_text(const JournalEvent& event) {
+  const boost::json::object data{{"at", utc_millisecond(event.at)},
+                                 {"level", level_word(event.level)},
+                                 {"text", valid_utf8(event.text)}};
+  return server_event(event.id, "journal", boost::json::serialize(data));
+}
+
+std::string server_event(std::uint64_t id, std::string_view name, std::string_view data) {
+  return "id: " + std::to_string(id) + "\nevent: " + std::string(name) +
+         "\ndata: " + std::string(data) + "\n\n";
+}
+
+std::string lost_text(std::uint64_t lost) {
+  return "event: lost\ndata: {\"lost\":" + std::to_string(lost) + "}\n\n";
+}
+
+void EventRing::add(JournalEvent event) {
+  if (events_.size() == kSize) {
+    events_.pop_front();
+  }
+  events_.push_back(std::move(event));
+}
+
+std::uint64_t EventRing::newest() const { return events_.empty() ? 0 : events_.back().id; }
+
+std::uint64_t EventRing::oldest() const { return events_.empty() ? 0 : events_.front().id; }
+
+std::optional<EventRing::Next> EventRing::after(std::uint64_t id) const {
+  const auto found = std::ranges::upper_bound(events_, id, {}, &JournalEvent::id);
+  if (found == events_.end()) {
+    return std::nullopt;
+  }
+  return Next{*found, found->id - id - 1};
 }
 
 }  // namespace mbgate::app

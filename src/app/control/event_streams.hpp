@@ -3,19 +3,56 @@
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
 
-#include "app/control/connection.hpp"
-#include "app/control/event_ring.hpp"
 #include "app/control/stream_readers.hpp"
 #include "app/control/tcp_rules.hpp"
+#include "app/log.hpp"
 #include "modbus/result.hpp"
 
 namespace mbgate::app {
+
+// The last lines of the journal, for its subscribers, which share one ring. Each continues after
+// the event that it received last, and learns how many it has missed.
+
+/// A line of the journal.
+struct JournalEvent {
+  std::uint64_t id = 0;  ///< counts the lines of this process from 1
+  std::chrono::system_clock::time_point at;
+  Level level = Level::info;
+  std::string text;
+};
+
+class EventRing {
+ public:
+  /// The journal gets at most ten lines a minute of one kind: these are some minutes of a bad day.
+  static constexpr std::size_t kSize = 256;
+
+  struct Next {
+    JournalEvent event;
+    std::uint64_t lost = 0;  ///< how many between are not there
+  };
+
+  /// Takes the place of the oldest one when there are kSize. Ids rise; one that is left out counts
+  /// as lost.
+  void add(JournalEvent event);
+  /// The id of the last one that was added; 0: there was none.
+  [[nodiscard]] std::uint64_t newest() const;
+  /// The id of the oldest one that is kept; 0: there was none.
+  [[nodiscard]] std::uint64_t oldest() const;
+  /// The first one after `id` that is there. Nothing: it is still to come.
+  [[nodiscard]] std::optional<Next> after(std::uint64_t id) const;
+
+ private:
+  std::deque<JournalEvent> events_;
+};
 
 class EventStreams {
  public:
@@ -41,5 +78,18 @@ class EventStreams {
   std::uint64_t numbered_from_;
   EventRing ring_;
 };
+
+// Events as text: server-sent events (text/event-stream, in the HTML standard), with data in JSON
+// (docs/api.yaml).
+
+/// "id: 7", "event: journal" and "data: {...}", a line each, and the empty line that ends it.
+std::string event_text(const JournalEvent& event);
+
+/// "id: 7", "event: NAME" and "data: DATA"; `data` has no line ends.
+std::string server_event(std::uint64_t id, std::string_view name, std::string_view data);
+
+/// Says that so many events are missing. It has no id: whoever comes back still names the last one
+/// that it had.
+std::string lost_text(std::uint64_t lost);
 
 }  // namespace mbgate::app

@@ -13,7 +13,7 @@
 #include <optional>
 #include <utility>
 
-#include "io/as_tuple.hpp"
+#include "io/supervise.hpp"
 
 namespace mbgate::app {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "io/as_tuple.hpp"
+#include "io/supervise.hpp"
 
 namespace mbgate::app {
 namespace {

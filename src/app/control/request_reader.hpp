@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "app/control/connection.hpp"
+#include "app/control/stream_readers.hpp"
 #include "app/control/tcp_rules.hpp"
 
 namespace mbgate::app {

@@ -7,9 +7,7 @@
 #include <optional>
 #include <string_view>
 
-#include "app/framing_word.hpp"
-#include "app/utc_text.hpp"
-#include "app/utf8.hpp"
+#include "app/text.hpp"
 #include "gateway/status/diagnosis.hpp"
 
 namespace mbgate::app {

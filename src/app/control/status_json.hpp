@@ -4,7 +4,7 @@
 
 #include <boost/json/object.hpp>
 
-#include "app/metrics/process_status.hpp"
+#include "app/metrics/metrics.hpp"
 #include "gateway/status/status_report.hpp"
 
 namespace mbgate::app {

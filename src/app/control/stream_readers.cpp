@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-#include "io/as_tuple.hpp"
+#include "io/supervise.hpp"
 
 namespace mbgate::app {
 namespace {

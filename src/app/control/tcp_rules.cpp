@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "app/utf8.hpp"
+#include "app/text.hpp"
 #include "routing/client_address.hpp"
 
 namespace mbgate::app {

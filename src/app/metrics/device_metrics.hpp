@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+
 #pragma once
 
 #include "app/metrics/metric_book.hpp"
@@ -8,5 +9,7 @@ namespace mbgate::app {
 
 /// Addresses of a bus that no [[device]] names are one, "other", without an address.
 void add_devices(MetricBook& book, const gateway::StatusReport& report);
+
+void add_bus(MetricBook& book, const gateway::BusStatus& bus);
 
 }  // namespace mbgate::app

@@ -7,9 +7,8 @@
 #include <map>
 #include <utility>
 
-#include "app/metrics/bus_metrics.hpp"
 #include "app/metrics/device_metrics.hpp"
-#include "app/metrics/exception_reason.hpp"
+#include "app/metrics/metric_book.hpp"
 #include "gateway/status/diagnosis.hpp"
 
 namespace mbgate::app {

@@ -15,7 +15,7 @@ foreach(file IN LISTS FILES)
   math(EXPR count "${count} + 1")
 endforeach()
 file(WRITE ${OUTPUT} "// Made by src/app/page/embed.cmake.
-#include \"app/page/page_files.hpp\"
+#include \"app/page/page_answer.hpp\"
 
 namespace mbgate::app {
 namespace {

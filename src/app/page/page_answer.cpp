@@ -5,8 +5,6 @@
 #include <boost/beast/http/field.hpp>
 #include <string>
 
-#include "app/page/page_files.hpp"
-
 namespace mbgate::app {
 namespace {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "app/log.hpp"
-#include "app/metrics/process_status.hpp"
+#include "app/metrics/metrics.hpp"
 #include "io/tls/load_tls.hpp"
 
 namespace mbgate::app {

@@ -4,9 +4,7 @@
 #include <boost/json/array.hpp>
 #include <boost/json/value.hpp>
 
-#include "app/framing_word.hpp"
-#include "app/utc_text.hpp"
-#include "app/utf8.hpp"
+#include "app/text.hpp"
 #include "gateway/trace/trace_text.hpp"
 #include "modbus/describe.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "config/toml/words.hpp"
+#include "config/toml/match_entry.hpp"
 #include "gateway/access/who.hpp"
 #include "modbus/make_request.hpp"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "config/key_places.hpp"
+#include "config/diagnostic.hpp"
 #include "gateway/settings.hpp"
 #include "modbus/result.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "config/sections/sections.hpp"
-#include "config/toml/words.hpp"
+#include "config/toml/match_entry.hpp"
 
 namespace mbgate::config {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "config/profiles/profile_entries.hpp"
 #include "config/sections/sections.hpp"
-#include "config/toml/words.hpp"
+#include "config/toml/match_entry.hpp"
 
 namespace mbgate::config {
 namespace {

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "config/toml/match_entry.hpp"
-#include "config/toml/words.hpp"
 
 namespace mbgate::config {
 namespace {

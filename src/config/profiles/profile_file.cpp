@@ -8,8 +8,7 @@
 #include <utility>
 
 #include "config/profiles/profile_entries.hpp"
-#include "config/toml/unit_range.hpp"
-#include "config/toml/words.hpp"
+#include "config/toml/match_entry.hpp"
 
 namespace mbgate::config {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Values that a user names at a device: values32 = { holding = [300, "310-329"], input = [8] }.
 #include "config/sections/sections.hpp"
-#include "config/toml/words.hpp"
+#include "config/toml/match_entry.hpp"
 
 namespace mbgate::config {
 namespace {

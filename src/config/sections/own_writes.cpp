@@ -6,7 +6,6 @@
 
 #include "config/sections/sections.hpp"
 #include "config/toml/match_entry.hpp"
-#include "config/toml/words.hpp"
 #include "modbus/make_request.hpp"
 
 namespace mbgate::config {

@@ -12,12 +12,12 @@
 #include <string_view>
 #include <vector>
 
-#include "config/key_places.hpp"
+#include "config/diagnostic.hpp"
 #include "config/keys/keys.hpp"
 #include "config/profiles/profile_library.hpp"
+#include "config/toml/match_entry.hpp"
 #include "config/toml/suggestion.hpp"
 #include "config/toml/toml_reader.hpp"
-#include "config/toml/unit_range.hpp"
 #include "gateway/settings.hpp"
 
 namespace mbgate::config {

@@ -5,7 +5,7 @@
 #include <iterator>
 
 #include "config/toml/duration_text.hpp"
-#include "ctl/doctor/tally.hpp"
+#include "ctl/doctor/trial.hpp"
 #include "modbus/codes.hpp"
 
 namespace mbgate::ctl {

@@ -5,7 +5,7 @@
 #include <chrono>
 
 #include "ctl/doctor/finding.hpp"
-#include "ctl/serial/line_mode.hpp"
+#include "ctl/serial/serial_port.hpp"
 #include "modbus/bytes.hpp"
 
 namespace mbgate::ctl {

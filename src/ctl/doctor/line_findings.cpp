@@ -5,7 +5,7 @@
 #include <iterator>
 
 #include "ctl/doctor/idle_line.hpp"
-#include "ctl/doctor/tally.hpp"
+#include "ctl/doctor/trial.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "ctl/doctor/finding.hpp"
-#include "ctl/serial/line_mode.hpp"
+#include "ctl/serial/serial_port.hpp"
 
 namespace mbgate::ctl {
 

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <utility>
 
-#include "ctl/doctor/tally.hpp"
+#include "ctl/doctor/trial.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "config/toml/words.hpp"
+#include "config/toml/match_entry.hpp"
 #include "ctl/options/shared_options.hpp"
 #include "ctl/request/value_text.hpp"
 

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "config/toml/duration_text.hpp"
-#include "config/toml/words.hpp"
+#include "config/toml/match_entry.hpp"
 #include "ctl/profile/profile_text.hpp"
 
 namespace mbgate::ctl {

@@ -10,8 +10,8 @@
 #include <variant>
 #include <vector>
 
-#include "ctl/request/value.hpp"
-#include "ctl/serial/line_mode.hpp"
+#include "ctl/request/value_text.hpp"
+#include "ctl/serial/serial_port.hpp"
 #include "modbus/pdu.hpp"
 #include "modbus/request.hpp"
 #include "modbus/result.hpp"

@@ -4,11 +4,14 @@
 // and drives have such exceptions (0x11 to 0x13).
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "ctl/request/command.hpp"
-#include "ctl/tls/tls_tunnel.hpp"
+#include "ctl/tls/handshake.hpp"
 #include "modbus/pdu.hpp"
 #include "modbus/request.hpp"
 #include "modbus/result.hpp"
@@ -44,6 +47,28 @@ class ModbusClient {
   Target target_;
   std::unique_ptr<TlsTunnel> tunnel_;  ///< none: plain TCP; it ends after the context has
   Context context_;
+};
+
+// The connection to a server, as long as several requests use it.
+
+/// Why a command was not carried out.
+struct Failure {
+  int status;  ///< of the program
+  std::string text;
+  std::optional<std::uint8_t> exception{};  ///< its code, if one came
+};
+
+class Connection {
+ public:
+  explicit Connection(Target target) : target_(std::move(target)) {}
+
+  /// The normal response. Connects before the first request, and again after the connection was
+  /// lost or a response did not come.
+  Result<modbus::Pdu, Failure> ask(const modbus::Request& request);
+
+ private:
+  Target target_;
+  std::optional<ModbusClient> client_;
 };
 
 }  // namespace mbgate::ctl

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <ostream>
 
-#include "config/toml/words.hpp"
+#include "config/toml/match_entry.hpp"
 #include "ctl/request/value_text.hpp"
 
 namespace mbgate::ctl {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "ctl/request/command.hpp"
-#include "ctl/request/connection.hpp"
+#include "ctl/request/modbus_client.hpp"
 
 namespace mbgate::ctl {
 

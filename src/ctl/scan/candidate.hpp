@@ -3,13 +3,42 @@
 // and whether an answer fits. All of it comes from the profile; no drive is known by name here.
 #pragma once
 
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "config/profiles/profile_file.hpp"
-#include "ctl/scan/scan_answer.hpp"
+#include "modbus/request.hpp"
 
 namespace mbgate::ctl {
+
+enum class AnswerKind : std::uint8_t {
+  data,
+  exception,
+  busy,    ///< an exception that says nothing about the device: try again later
+  no_way,  ///< the gateway did not transmit it
+  silence
+};
+
+struct Answer {
+  AnswerKind kind = AnswerKind::silence;
+  std::uint8_t exception = 0;
+  std::vector<std::uint16_t> registers{};  ///< of `data`; bits as 0 and 1
+  std::chrono::nanoseconds took{0};
+};
+
+/// The function that reads the table.
+constexpr std::uint8_t read_function(modbus::Table table) {
+  switch (table) {
+    case modbus::Table::coils: return 0x01;
+    case modbus::Table::discrete_inputs: return 0x02;
+    case modbus::Table::holding_registers: return 0x03;
+    case modbus::Table::input_registers: return 0x04;
+  }
+  return 0x03;
+}
 
 /// What a profile predicts for a read.
 enum class Foreseen : std::uint8_t {
@@ -53,5 +82,42 @@ class Candidate {
 /// A text from registers. A drive with the low word first also has the low byte first. Blanks and
 /// zeros around the text are removed. Empty if it is not a text.
 std::string register_text(const std::vector<std::uint16_t>& registers, drive::WordOrder order);
+
+// The candidates of a scan and the reads that tell them apart, computed once.
+
+struct Question {
+  modbus::TableRange read;
+  std::vector<Foreseen> foreseen;  ///< by candidate
+};
+
+/// Can an answer fit the one and contradict the other?
+constexpr bool tells_apart(Foreseen one, Foreseen other) {
+  return one != other && one != Foreseen::anything && other != Foreseen::anything;
+}
+
+class Catalogue {
+ public:
+  /// The files must outlive this object. Profiles that name no registers are not candidates.
+  explicit Catalogue(const std::vector<const config::ProfileFile*>& files);
+
+  [[nodiscard]] const std::vector<Candidate>& candidates() const { return candidates_; }
+  [[nodiscard]] const std::vector<Question>& questions() const { return questions_; }
+  /// The indices in questions() of one read for each of the functions 03, 04, 01 and 02, at
+  /// addresses where most of the candidates have data.
+  [[nodiscard]] const std::vector<std::size_t>& function_questions() const { return functions_; }
+  /// The indices in questions() of the reads that confirm a candidate.
+  [[nodiscard]] const std::vector<std::size_t>& confirming(std::size_t candidate) const {
+    return confirming_[candidate];
+  }
+
+ private:
+  std::size_t add(const modbus::TableRange& read);
+  std::size_t add_function_question(modbus::Table table);
+
+  std::vector<Candidate> candidates_;
+  std::vector<Question> questions_;
+  std::vector<std::size_t> functions_;
+  std::vector<std::vector<std::size_t>> confirming_;
+};
 
 }  // namespace mbgate::ctl

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "ctl/scan/catalogue.hpp"
+#include "ctl/scan/candidate.hpp"
 
 namespace mbgate::ctl {
 

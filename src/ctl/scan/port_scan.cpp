@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "ctl/request/repetition.hpp"
-#include "ctl/scan/sweep_text.hpp"
+#include "ctl/scan/sweep.hpp"
 #include "ctl/serial/serial_client.hpp"
 #include "ctl/serial/serial_port.hpp"
 

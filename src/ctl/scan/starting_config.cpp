@@ -4,8 +4,8 @@
 #include <array>
 
 #include "config/toml/duration_text.hpp"
+#include "config/toml/match_entry.hpp"
 #include "config/toml/toml_value.hpp"
-#include "config/toml/words.hpp"
 #include "ctl/scan/scan_report.hpp"
 
 namespace mbgate::ctl {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "config/toml/duration_text.hpp"
 #include "ctl/serial/serial_client.hpp"
 
 namespace mbgate::ctl {
@@ -105,6 +106,107 @@ std::optional<std::string> carry_out_sweep(Sweep& sweep, const SweptLine& line) 
     sweep.take(*heard);
   }
   return std::nullopt;
+}
+
+namespace {
+
+std::string count_text(std::size_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+std::string at(const ModeFindings& found) { return "at " + mode_text(found.mode) + " "; }
+
+std::string frames_text(const ModeFindings& found) {
+  return at(found) + "frames of " + units_text(found.others) +
+         " came late or were not asked for: a longer --wait may help, or another master is on the "
+         "line";
+}
+
+std::string noise_text(const ModeFindings& found) {
+  std::string text = at(found) + count_text(found.noise_bytes, "byte") + " heard that " +
+                     (found.noise_bytes == 1 ? "is" : "are") + " no answer: ";
+  if (found.bad_crcs > 0) {
+    text += count_text(found.bad_crcs, "frame") + " with a bad CRC" +
+            (found.noise > 0 ? ", and " : ", as of two units with one address");
+  }
+  if (found.noise > 0) {
+    text += "no frame after " + count_text(found.noise, "request");
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string sweep_announcement(const std::string& device, const SweepPlan& plan) {
+  const auto most = std::chrono::ceil<std::chrono::seconds>(longest(plan));
+  std::string text = "asking " + count_text(plan.units.size(), "unit") + " at " + device;
+  if (plan.modes.size() == 1) {
+    text += " at " + mode_text(plan.modes.front());
+  } else {
+    text += " in " + count_text(plan.modes.size(), "mode") + ", " + mode_text(plan.modes.front()) +
+            " first";
+  }
+  return text + ": " + config::to_text(most) + " at most; only reads are sent";
+}
+
+std::string sweep_progress(const Sweep& sweep) {
+  const auto step = sweep.next();
+  if (!step) {
+    return {};
+  }
+  const auto& modes = sweep.plan().modes;
+  const auto number = std::ranges::find(modes, step->mode) - modes.begin() + 1;
+  const bool begun = !step->sets_mode;
+  const auto found = begun ? sweep.findings().back().units.size() : 0;
+  return mode_text(step->mode) + " (" + std::to_string(number) + " of " +
+         std::to_string(modes.size()) + "): asking unit " + std::to_string(step->unit) + ", " +
+         std::to_string(found) + " found";
+}
+
+std::vector<std::string> sweep_notes(const Sweep& sweep) {
+  std::vector<std::string> notes;
+  for (const auto& found : sweep.findings()) {
+    if (found.refusal) {
+      notes.push_back(mode_text(found.mode) + " was left out: " + *found.refusal);
+    }
+    if (!found.others.empty()) {
+      notes.push_back(frames_text(found));
+    }
+    if (found.noise_bytes > 0) {
+      notes.push_back(noise_text(found));
+    }
+    if (!found.units.empty() && &found != sweep.best()) {
+      notes.push_back(at(found) + units_text(found.units) + " answered too, and " +
+                      (found.units.size() == 1 ? "was" : "were") +
+                      " not identified: scan again with only this rate and parity");
+    }
+  }
+  return notes;
+}
+
+std::string nobody_text(const std::string& device, const Sweep& sweep) {
+  const auto tried =
+      std::ranges::count_if(sweep.findings(), [](const auto& found) { return !found.refusal; });
+  const std::string modes = tried == 1 && sweep.findings().size() == 1
+                                ? "at " + mode_text(sweep.findings().front().mode)
+                                : "in " + count_text(static_cast<std::size_t>(tried), "mode");
+  return "no unit answered at " + device + " " + modes;
+}
+
+std::string units_text(const std::vector<std::uint8_t>& units) {
+  std::string text = units.size() == 1 ? "unit " : "units ";
+  for (std::size_t first = 0; first < units.size();) {
+    std::size_t last = first;
+    while (last + 1 < units.size() && units[last + 1] == units[last] + 1) {
+      ++last;
+    }
+    text.append(first == 0 ? "" : ", ").append(std::to_string(units[first]));
+    if (last > first) {
+      text.append("-").append(std::to_string(units[last]));
+    }
+    first = last + 1;
+  }
+  return text;
 }
 
 }  // namespace mbgate::ctl

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "ctl/serial/heard.hpp"
-#include "ctl/serial/line_mode.hpp"
+#include "ctl/serial/serial_port.hpp"
 
 namespace mbgate::ctl {
 
@@ -83,5 +83,23 @@ struct SweptLine {
 
 /// Does the steps one after the other; the error is that of the line.
 std::optional<std::string> carry_out_sweep(Sweep& sweep, const SweptLine& line);
+
+// What is said of a sweep: before it, while it runs, and after it.
+
+/// "asking 32 units at /dev/ttyUSB0 in 15 modes, 9600 8E1 first: 58s at most; only reads are sent"
+std::string sweep_announcement(const std::string& device, const SweepPlan& plan);
+
+/// "9600 8N1 (2 of 15): asking unit 7, 0 found", of the next step.
+std::string sweep_progress(const Sweep& sweep);
+
+/// What was heard beside answers, what was not tried, and other modes with answers: a sentence
+/// each.
+std::vector<std::string> sweep_notes(const Sweep& sweep);
+
+/// "no unit answered at /dev/ttyUSB0 in 15 modes": where nobody did.
+std::string nobody_text(const std::string& device, const Sweep& sweep);
+
+/// "unit 3" or "units 1-3, 7", of units in ascending order.
+std::string units_text(const std::vector<std::uint8_t>& units);
 
 }  // namespace mbgate::ctl

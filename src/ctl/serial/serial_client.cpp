@@ -10,7 +10,7 @@
 #include <ctime>
 #include <system_error>
 
-#include "ctl/serial/serial_mode.hpp"
+#include "sys/tty.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -112,7 +112,7 @@ Result<Heard, std::string> SerialClient::ask(std::uint8_t unit, const modbus::Ta
                                              nanoseconds wait) {
   const SentRead sent(unit, read);
   const modbus::RtuTiming timing(mode_.baud, mode_.format);
-  discard_serial(port_.descriptor());
+  sys::discard_all(port_.descriptor());
   const auto begin = steady_clock::now();
   last_received_ = begin;
   if (auto error = send(sent.frame())) {

@@ -1,104 +1,79 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/serial/serial_port.hpp"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/ioctl.h>
-#include <sys/stat.h>
-#include <sys/sysmacros.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <filesystem>
+#include <iterator>
+#include <optional>
 #include <system_error>
 #include <utility>
 
 namespace mbgate::ctl {
 namespace {
 
-/// The device numbers of Unix 98 pseudo-terminals (Linux, Documentation/admin-guide/devices.txt).
-constexpr unsigned kFirstPty = 136;
-constexpr unsigned kLastPty = 143;
-
-bool is_pty(int fd) {
-  struct stat status {};
-  return ::fstat(fd, &status) == 0 && major(status.st_rdev) >= kFirstPty &&
-         major(status.st_rdev) <= kLastPty;
-}
-
 std::string held_text(const std::string& device) {
   return "a gateway or another program holds " + device +
          ": stop it first (systemctl stop mbgated), or scan through it with --host and --port";
 }
 
-/// Both locks of mbgated: TIOCEXCL does not stop root, and flock stops only those who ask.
-std::optional<std::string> lock(int fd, const std::string& device, bool pseudo_terminal) {
-  if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
-    return errno == EWOULDBLOCK
-               ? held_text(device)
-               : device + ": cannot lock it: " + std::generic_category().message(errno);
-  }
-  // A pseudo-terminal keeps the flag of a program that has died, as long as its other end is open.
-  int exclusive = 0;
-  if (!pseudo_terminal && ::ioctl(fd, TIOCGEXCL, &exclusive) == 0 && exclusive != 0) {
-    return held_text(device);
-  }
-  if (::ioctl(fd, TIOCEXCL) != 0) {
-    return device + ": cannot take it for our use alone: " + std::generic_category().message(errno);
-  }
-  return std::nullopt;
+sys::TtyMode raw_mode(const LineMode& mode) {
+  const auto parity = mode.format.parity == modbus::Parity::none   ? sys::TtyParity::none
+                      : mode.format.parity == modbus::Parity::even ? sys::TtyParity::even
+                                                                   : sys::TtyParity::odd;
+  // The CRC of a character with the wrong parity is to fail: a drive that does not look at the
+  // parity of the request must not pass for one that has it.
+  return {static_cast<std::uint32_t>(mode.baud), 8, parity, mode.format.stop_bits, true};
 }
 
 }  // namespace
 
-SerialPort::SerialPort(int fd) : fd_(fd), pseudo_terminal_(is_pty(fd)) {}
-
-SerialPort::SerialPort(SerialPort&& other) noexcept
-    : fd_(std::exchange(other.fd_, -1)),
-      pseudo_terminal_(other.pseudo_terminal_),
-      before_(std::move(other.before_)) {}
-
 SerialPort::~SerialPort() {
-  if (fd_ >= 0) {
-    if (before_) {
-      discard_serial(fd_);  // else close() waits for what a failing adapter never sends
-      restore_serial_settings(fd_, *before_);
-    }
-    ::ioctl(fd_, TIOCNXCL);
-    ::close(fd_);
+  if (!fd_.is_open()) {
+    return;
   }
+  if (before_) {
+    sys::discard_all(fd_.get());  // else close() waits for what a failing adapter never sends
+    sys::restore_tty_settings(fd_.get(), *before_);
+  }
+  sys::release_tty(fd_.get());
 }
 
 Result<SerialPort, std::string> SerialPort::open(const std::string& device) {
-  const int fd = ::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (fd < 0) {
-    return port_failure(device, errno, serial_names());
+  sys::UniqueFd fd = sys::open_tty(device);
+  if (!fd.is_open()) {
+    const int error = errno;  // before the names are looked up
+    return port_failure(device, error, serial_names());
   }
-  std::optional<std::string> error;
-  if (::isatty(fd) == 0) {
-    error = device + ": this is no serial port";
-  } else {
-    error = lock(fd, device, is_pty(fd));
-  }
-  if (error) {
-    ::close(fd);  // not by a SerialPort: another program's lock and bytes are not ours to drop
-    return *std::move(error);
-  }
-  return SerialPort(fd);
+  return SerialPort(std::move(fd));
 }
 
 std::optional<std::string> SerialPort::set_mode(const LineMode& mode) {
   if (!before_) {
-    before_ = read_serial_settings(fd_);
+    before_ = sys::read_tty_settings(fd_.get());
   }
-  return set_serial_mode(fd_, mode, pseudo_terminal_);
+  const sys::TtyMode wanted = raw_mode(mode);
+  const auto real = sys::set_tty_mode(fd_.get(), wanted);
+  if (!real) {
+    return "the driver refuses it: " + std::generic_category().message(errno);
+  }
+  if (!real->has_rate_near(wanted.baud)) {
+    return "the driver took " + std::to_string(real->baud) + " baud instead";
+  }
+  // A pseudo-terminal has no parity, and is not asked for what became of it.
+  if (!real->has_format_of(wanted) && !sys::is_pseudo_terminal(fd_.get())) {
+    return "the driver took another parity, or other stop bits, instead";
+  }
+  sys::discard_all(fd_.get());
+  return std::nullopt;
 }
 
 std::string port_failure(const std::string& device, int error,
                          const std::vector<std::string>& names) {
   switch (error) {
     case EBUSY: return held_text(device);
+    case ENOTTY: return device + ": this is no serial port";
     case EACCES:
       return "you may not open " + device +
              ": your user must be in the group dialout (sudo adduser NAME dialout, then log in "
@@ -146,6 +121,113 @@ std::optional<std::string> lasting_name(const std::string& device,
   }
   const auto found = std::ranges::find_if(names, leads_there);
   return found == names.end() ? std::nullopt : std::optional(*found);
+}
+
+namespace {
+
+using modbus::Parity;
+
+constexpr std::uint32_t kFastestLine = 4'000'000;  // no UART of Linux has a faster one
+
+std::vector<std::string_view> listed(std::string_view text) {
+  std::vector<std::string_view> words;
+  while (true) {
+    const auto comma = text.find(',');
+    words.push_back(text.substr(0, comma));
+    if (comma == std::string_view::npos) {
+      return words;
+    }
+    text.remove_prefix(comma + 1);
+  }
+}
+
+std::optional<std::uint32_t> number_of(std::string_view text, std::uint32_t most) {
+  std::uint32_t number = 0;
+  const char* end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), end, number);
+  const bool good = error == std::errc{} && at == end && number >= 1 && number <= most;
+  return good ? std::optional(number) : std::nullopt;
+}
+
+std::optional<Parity> parity_of(std::string_view word) {
+  for (const auto parity : {Parity::even, Parity::none, Parity::odd}) {
+    if (parity_word(parity) == word) {
+      return parity;
+    }
+  }
+  return std::nullopt;
+}
+
+/// All formats of one parity.
+std::vector<modbus::CharacterFormat> formats(Parity parity,
+                                             const std::vector<unsigned>& stop_bits) {
+  if (parity != Parity::none) {
+    return {{8, parity, 1}};
+  }
+  std::vector<modbus::CharacterFormat> result;
+  result.reserve(stop_bits.size());
+  for (const auto bits : stop_bits) {
+    result.push_back({8, parity, bits});
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string mode_text(const LineMode& mode) {
+  std::string text = std::to_string(static_cast<std::uint32_t>(mode.baud)) + " 8";
+  switch (mode.format.parity) {
+    case Parity::none: text += 'N'; break;
+    case Parity::even: text += 'E'; break;
+    case Parity::odd: text += 'O'; break;
+  }
+  return text + std::to_string(mode.format.stop_bits);
+}
+
+std::string_view parity_word(Parity parity) {
+  switch (parity) {
+    case Parity::none: return "none";
+    case Parity::even: return "even";
+    case Parity::odd: return "odd";
+  }
+  return {};
+}
+
+Result<std::vector<LineMode>, std::string> parse_modes(std::string_view bauds,
+                                                       std::string_view parities,
+                                                       std::string_view stop_bits) {
+  std::vector<unsigned> stops;
+  for (const auto word : listed(stop_bits)) {
+    const auto bits = number_of(word, 2);
+    if (!bits) {
+      return "\"" + std::string(stop_bits) + "\" are no stop bits: 1, 2 or 1,2";
+    }
+    stops.push_back(*bits);
+  }
+  std::vector<modbus::CharacterFormat> characters;
+  for (const auto word : listed(parities)) {
+    const auto parity = parity_of(word);
+    if (!parity) {
+      return "\"" + std::string(parities) + "\" are no parities: even, none, odd, with commas";
+    }
+    std::ranges::copy(formats(*parity, stops), std::back_inserter(characters));
+  }
+  std::vector<LineMode> modes;
+  for (const auto word : listed(bauds)) {
+    const auto baud = number_of(word, kFastestLine);
+    if (!baud) {
+      return "\"" + std::string(bauds) +
+             "\" are no baud rates: 1 to 4000000, with commas, like 9600,19200";
+    }
+    for (const auto& format : characters) {
+      // What is listed twice is asked once.
+      if (const LineMode mode{modbus::Baud{*baud}, format};
+          std::ranges::find(modes, mode) == modes.end()) {
+        modes.push_back(mode);
+      }
+    }
+  }
+  return modes;
 }
 
 }  // namespace mbgate::ctl

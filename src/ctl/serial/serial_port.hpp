@@ -6,12 +6,36 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
-#include "ctl/serial/line_mode.hpp"
-#include "ctl/serial/serial_mode.hpp"
+#include "modbus/result.hpp"
+#include "modbus/rtu_timing.hpp"
+#include "sys/tty.hpp"
 
 namespace mbgate::ctl {
+
+// How characters are sent on a serial line: rate, parity, stop bits. RTU, so always 8 data bits.
+
+struct LineMode {
+  modbus::Baud baud{9600};
+  modbus::CharacterFormat format{};
+  friend bool operator==(const LineMode&, const LineMode&) = default;
+};
+
+/// "9600 8E1"
+std::string mode_text(const LineMode& mode);
+
+/// "even", "none" or "odd", as a configuration has it.
+std::string_view parity_word(modbus::Parity parity);
+
+/// Every rate with every parity, in the order of the lists: "9600,19200", "even,none,odd" and "1",
+/// "2" or "1,2". The stop bits are those without a parity: with one there is always 1. The error is
+/// a full sentence.
+Result<std::vector<LineMode>, std::string> parse_modes(std::string_view bauds,
+                                                       std::string_view parities,
+                                                       std::string_view stop_bits);
 
 inline constexpr const char* kSerialNames = "/dev/serial/by-id";
 
@@ -20,23 +44,22 @@ class SerialPort {
   /// Opens the port and locks it; its mode is that of before. The error is a full sentence.
   static Result<SerialPort, std::string> open(const std::string& device);
 
-  SerialPort(SerialPort&& other) noexcept;
+  SerialPort(SerialPort&&) = default;
   SerialPort& operator=(SerialPort&&) = delete;
   SerialPort(const SerialPort&) = delete;
   SerialPort& operator=(const SerialPort&) = delete;
   ~SerialPort();
 
-  [[nodiscard]] int descriptor() const { return fd_; }
+  [[nodiscard]] int descriptor() const { return fd_.get(); }
   /// Why the port cannot have this mode, or nothing. Bytes that wait are discarded, then and in the
   /// end, when the port gets the settings of before.
   [[nodiscard]] std::optional<std::string> set_mode(const LineMode& mode);
 
  private:
-  explicit SerialPort(int fd);
+  explicit SerialPort(sys::UniqueFd fd) : fd_(std::move(fd)) {}
 
-  int fd_;
-  bool pseudo_terminal_;
-  std::optional<SerialSettings> before_{};  ///< once the mode was set
+  sys::UniqueFd fd_;
+  std::optional<sys::TtySettings> before_{};  ///< once the mode was set
 };
 
 /// What to say where open() of `device` has failed with `error`. `names` are those of the ports

@@ -9,16 +9,20 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <ctime>
 #include <optional>
 #include <system_error>
+#include <utility>
+
+#include "sys/tls_pump.hpp"
 
 namespace mbgate::ctl {
 namespace {
 
-using openssl::expect;
+using sys::expect_openssl;
 using Deadline = std::chrono::steady_clock::time_point;
 
 constexpr int kOwnAlerts = SSL_AD_REASON_OFFSET;
@@ -49,8 +53,8 @@ int connect_one(int socket, const addrinfo& place, Deadline deadline) {
   return error;
 }
 
-Result<Descriptor, std::string> connect_tcp(const std::string& host, std::uint16_t port,
-                                            Deadline deadline) {
+Result<sys::UniqueFd, std::string> connect_tcp(const std::string& host, std::uint16_t port,
+                                               Deadline deadline) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* first = nullptr;
@@ -58,10 +62,10 @@ Result<Descriptor, std::string> connect_tcp(const std::string& host, std::uint16
   if (unknown != 0) {
     return std::string(::gai_strerror(unknown));
   }
-  const std::unique_ptr<addrinfo, openssl::Free<::freeaddrinfo>> places(first);
+  const std::unique_ptr<addrinfo, sys::FreeWith<::freeaddrinfo>> places(first);
   int error = 0;
   for (const addrinfo* place = first; place != nullptr; place = place->ai_next) {
-    Descriptor socket(
+    sys::UniqueFd socket(
         ::socket(place->ai_family, place->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
     error = socket.get() < 0 ? errno : connect_one(socket.get(), *place, deadline);
     if (error == 0) {
@@ -74,13 +78,13 @@ Result<Descriptor, std::string> connect_tcp(const std::string& host, std::uint16
 /// Our certificate, our key and whom we trust; or which file is wrong, and why.
 std::optional<std::string> load(SSL_CTX& context, const TlsIdentity& identity) {
   if (SSL_CTX_load_verify_file(&context, identity.authorities.c_str()) != 1) {
-    return identity.authorities.string() + ": " + openssl::last_error();
+    return identity.authorities.string() + ": " + sys::take_openssl_error();
   }
   if (SSL_CTX_use_certificate_chain_file(&context, identity.certificate.c_str()) != 1) {
-    return identity.certificate.string() + ": " + openssl::last_error();
+    return identity.certificate.string() + ": " + sys::take_openssl_error();
   }
   if (SSL_CTX_use_PrivateKey_file(&context, identity.key.c_str(), SSL_FILETYPE_PEM) != 1) {
-    return identity.key.string() + ": " + openssl::last_error();
+    return identity.key.string() + ": " + sys::take_openssl_error();
   }
   return std::nullopt;
 }
@@ -88,10 +92,10 @@ std::optional<std::string> load(SSL_CTX& context, const TlsIdentity& identity) {
 void expect_name(SSL& session, const std::string& name) {
   X509_VERIFY_PARAM* const wanted = SSL_get0_param(&session);
   if (X509_VERIFY_PARAM_set1_ip_asc(wanted, name.c_str()) != 1) {
-    static_cast<void>(openssl::last_error());  // it is no address
-    expect(X509_VERIFY_PARAM_set1_host(wanted, name.c_str(), name.size()));
+    static_cast<void>(sys::take_openssl_error());  // it is no address
+    expect_openssl(X509_VERIFY_PARAM_set1_host(wanted, name.c_str(), name.size()));
     std::string text = name;
-    expect(static_cast<int>(
+    expect_openssl(static_cast<int>(
         SSL_ctrl(&session, SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name, text.data())));
   }
 }
@@ -140,28 +144,22 @@ class HeldPipeSignal {
 };
 
 /// Nothing, where it is done.
-std::optional<std::string> shake_hands(SSL& session, int socket, Deadline deadline) {
+std::optional<std::string> shake_hands(sys::TlsStream& stream, int socket, Deadline deadline) {
   const HeldPipeSignal held;
-  for (;;) {
-    ERR_clear_error();
-    const int result = SSL_connect(&session);
-    if (result == 1) {
-      return std::nullopt;
-    }
-    const int wish = SSL_get_error(&session, result);
-    if (wish != SSL_ERROR_WANT_READ && wish != SSL_ERROR_WANT_WRITE) {
-      std::string why = failure_text(session, result);
-      return why == kClosed ? why + ": does it speak TLS at this port?" : why;
-    }
-    if (!wait_for(socket, wish == SSL_ERROR_WANT_READ ? POLLIN : POLLOUT, deadline)) {
-      return "the server did not answer the TLS handshake in time";
-    }
+  sys::TlsPump pump(stream, socket, -1);
+  switch (pump.shake_hands(deadline)) {
+    case sys::TlsPump::End::none: return std::nullopt;
+    case sys::TlsPump::End::late: return "the server did not answer the TLS handshake in time";
+    case sys::TlsPump::End::plain:
+    case sys::TlsPump::End::stream: break;
   }
+  std::string why = failure_text(stream, pump.last_step());
+  return why == kClosed ? why + ": does it speak TLS at this port?" : why;
 }
 
-openssl::Context make_context() {
-  openssl::Context context(expect(SSL_CTX_new(TLS_client_method())));
-  expect(static_cast<int>(SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION)));
+sys::ContextHandle make_context() {
+  sys::ContextHandle context(expect_openssl(SSL_CTX_new(TLS_client_method())));
+  expect_openssl(static_cast<int>(SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION)));
   SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, nullptr);
   SSL_CTX_set_mode(context.get(),
                    SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
@@ -170,23 +168,23 @@ openssl::Context make_context() {
 
 }  // namespace
 
-std::string failure_text(const SSL& session, int result) {
-  const int system_error = errno;
-  const int kind = SSL_get_error(&session, result);
-  const unsigned long error = ERR_peek_last_error();
-  const int reason = ERR_GET_REASON(error);
-  if (kind == SSL_ERROR_ZERO_RETURN) {
+std::string failure_text(const sys::TlsStream& stream, sys::TlsStream::Step step) {
+  if (step == sys::TlsStream::Step::closed || stream.is_cut()) {
     return kClosed;
   }
-  if (kind == SSL_ERROR_SYSCALL && error == 0) {
-    return system_error == 0 ? std::string(kClosed) : std::generic_category().message(system_error);
+  if (step == sys::TlsStream::Step::flooded) {
+    return std::string("the server sends ") + sys::TlsStream::kFlood;
   }
-  const std::string text = openssl::last_error();
+  if (stream.system_error() != 0) {
+    return std::generic_category().message(stream.system_error());
+  }
+  const unsigned long error = ERR_peek_last_error();
+  const int reason = ERR_GET_REASON(error);
+  const std::string text = sys::take_openssl_error();
   if (ERR_SYSTEM_ERROR(error)) {
     return text;
   }
   switch (reason) {
-    case SSL_R_UNEXPECTED_EOF_WHILE_READING: return kClosed;
     case SSL_R_WRONG_VERSION_NUMBER: return "the server does not speak TLS at this port";
     case SSL_R_TLSV13_ALERT_CERTIFICATE_REQUIRED:
     case SSL_R_SSLV3_ALERT_BAD_CERTIFICATE:
@@ -210,7 +208,7 @@ Result<TlsConnection, std::string> connect_tls(const std::string& host, std::uin
                                                std::chrono::nanoseconds timeout,
                                                const TlsIdentity& identity) {
   const Deadline deadline = std::chrono::steady_clock::now() + timeout;
-  openssl::Context context = make_context();
+  const sys::ContextHandle context = make_context();
   if (auto why = load(*context, identity)) {
     return *std::move(why);
   }
@@ -218,16 +216,50 @@ Result<TlsConnection, std::string> connect_tls(const std::string& host, std::uin
   if (!socket) {
     return socket.error();
   }
-  openssl::Session session(expect(SSL_new(context.get())));
+  sys::SslHandle session(expect_openssl(SSL_new(context.get())));
   const std::string& name = identity.server_name.empty() ? host : identity.server_name;
   expect_name(*session, name);
-  expect(SSL_set_fd(session.get(), socket->get()));
-  if (auto why = shake_hands(*session, socket->get(), deadline)) {
-    return SSL_get_verify_result(session.get()) == X509_V_OK
+  SSL_set_connect_state(session.get());
+  auto stream = std::make_unique<sys::TlsStream>(std::move(session), socket->get());
+  if (auto why = shake_hands(*stream, socket->get(), deadline)) {
+    return SSL_get_verify_result(&stream->ssl()) == X509_V_OK
                ? *std::move(why)
-               : verify_text(*session, name, identity);
+               : verify_text(stream->ssl(), name, identity);
   }
-  return TlsConnection{*std::move(socket), std::move(context), std::move(session)};
+  return TlsConnection{*std::move(socket), std::move(stream)};
+}
+
+TlsTunnel::TlsTunnel(TlsConnection connection) : connection_(std::move(connection)) {
+  std::array<int, 2> ends{};
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+    throw std::system_error(errno, std::generic_category(), "socketpair");
+  }
+  ours_ = sys::UniqueFd(ends[0]);
+  theirs_ = sys::UniqueFd(ends[1]);
+  thread_ = std::thread([this] { carry(); });
+}
+
+TlsTunnel::~TlsTunnel() {
+  ::shutdown(ours_.get(), SHUT_RDWR);
+  thread_.join();
+}
+
+std::string TlsTunnel::why_ended() const { return has_ended_ ? why_ended_ : std::string(); }
+
+void TlsTunnel::carry() {
+  sigset_t all;
+  sigfillset(&all);  // signals are for the thread that waits for them
+  pthread_sigmask(SIG_BLOCK, &all, nullptr);
+  sys::TlsPump pump(*connection_.stream, connection_.socket.get(), ours_.get());
+  const bool is_server_gone = pump.carry(std::nullopt) == sys::TlsPump::End::stream;
+  if (is_server_gone) {
+    why_ended_ = failure_text(*connection_.stream, pump.last_step());
+  }
+  has_ended_ = true;
+  if (!is_server_gone) {
+    connection_.stream->say_goodbye();
+  }
+  ::shutdown(ours_.get(), SHUT_RDWR);
 }
 
 }  // namespace mbgate::ctl

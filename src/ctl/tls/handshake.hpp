@@ -3,22 +3,24 @@
 // authentication, as Modbus/TCP Security has it (R-01, R-06, R-32).
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <thread>
 
 #include "ctl/request/command.hpp"
-#include "ctl/tls/descriptor.hpp"
-#include "ctl/tls/openssl.hpp"
 #include "modbus/result.hpp"
+#include "sys/tls_stream.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::ctl {
 
 /// A connection whose handshake is done. The socket does not block.
 struct TlsConnection {
-  Descriptor socket;
-  openssl::Context context;
-  openssl::Session session;
+  sys::UniqueFd socket;
+  std::unique_ptr<sys::TlsStream> stream;
 };
 
 /// Within `timeout`, the TCP connection and the handshake together. The error says why, in words
@@ -27,8 +29,36 @@ Result<TlsConnection, std::string> connect_tls(const std::string& host, std::uin
                                                std::chrono::nanoseconds timeout,
                                                const TlsIdentity& identity);
 
-/// What SSL_read, SSL_write or SSL_connect failed of, for `result` that they gave: "the server
-/// refused our certificate: certificate expired".
-std::string failure_text(const SSL& session, int result);
+/// Why the stream is over after this step: "the server refused our certificate: certificate
+/// expired".
+std::string failure_text(const sys::TlsStream& stream, sys::TlsStream::Step step);
+
+// A socket for whoever cannot speak TLS: what is written into it goes to the server over TLS, and
+// what the server says comes out of it. A thread carries the bytes from one to the other.
+
+class TlsTunnel {
+ public:
+  explicit TlsTunnel(TlsConnection connection);
+  /// Says goodbye to the server. The other end must have been closed.
+  ~TlsTunnel();
+  TlsTunnel(const TlsTunnel&) = delete;
+  TlsTunnel& operator=(const TlsTunnel&) = delete;
+
+  /// The socket, which belongs to the caller from then on.
+  [[nodiscard]] int take_socket() { return theirs_.release(); }
+
+  /// Why the server is gone; empty as long as it is not known to be, or where we have ended it.
+  [[nodiscard]] std::string why_ended() const;
+
+ private:
+  void carry();
+
+  TlsConnection connection_;
+  sys::UniqueFd ours_;
+  sys::UniqueFd theirs_;
+  std::string why_ended_;  ///< written before `has_ended_`
+  std::atomic<bool> has_ended_{false};
+  std::thread thread_;
+};
 
 }  // namespace mbgate::ctl

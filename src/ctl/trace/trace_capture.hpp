@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "ctl/trace/pcapng.hpp"
-#include "ctl/trace/segment.hpp"
 
 namespace mbgate::ctl {
 

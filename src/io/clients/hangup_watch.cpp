@@ -9,7 +9,6 @@
 #include <system_error>
 #include <utility>
 
-#include "io/as_tuple.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::io {

@@ -6,6 +6,7 @@
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
+#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/v6_only.hpp>
 #include <cerrno>
 #include <chrono>
@@ -13,7 +14,8 @@
 #include <sstream>
 #include <utility>
 
-#include "io/denials/advice.hpp"
+#include "io/advice.hpp"
+#include "routing/listen_address.hpp"
 
 namespace mbgate::io {
 namespace {
@@ -123,11 +125,9 @@ Result<tcp::acceptor, ListenFailure> bind_listener(boost::asio::io_context& cont
     acceptor.non_blocking(true, error);
   }
   if (error) {
-    const bool may_not = acceptor.is_open() && error.value() == EACCES;
-    auto failure = refusal(
-        listener, to_text(endpoint),
-        error.message() +
-            (may_not ? port_advice(listener, error.value(), SocketUnit::free, starter()) : ""));
+    auto failure = refusal(listener, to_text(endpoint),
+                           error.message() + listen_advice(listener.port, error.value()));
+    failure.denied = is_denial(error.value());
     failure.absent = error.value() == EADDRNOTAVAIL;
     return failure;
   }
@@ -136,7 +136,7 @@ Result<tcp::acceptor, ListenFailure> bind_listener(boost::asio::io_context& cont
 
 Result<tcp::acceptor, ListenFailure> adopt_listener(boost::asio::io_context& context,
                                                     const gateway::ListenerSettings& listener,
-                                                    UniqueFd socket) {
+                                                    sys::UniqueFd socket) {
   const auto protocol = protocol_of(socket.get());
   if (!protocol) {
     return refusal(listener, "the socket from systemd", "it is no listening TCP socket");
@@ -170,7 +170,7 @@ bool is_bound_for(const gateway::ListenerSettings& listener, int socket) {
 
 Result<tcp::acceptor, ListenFailure> resume_listener(boost::asio::io_context& context,
                                                      const gateway::ListenerSettings& listener,
-                                                     UniqueFd socket) {
+                                                     sys::UniqueFd socket) {
   auto acceptor = adopt_listener(context, listener, std::move(socket));
   if (acceptor) {
     error_code error;
@@ -186,6 +186,36 @@ std::string to_text(const tcp::endpoint& endpoint) {
   std::ostringstream text;
   text << endpoint;
   return text.str();
+}
+
+void SystemdSockets::add(const std::string& name, int socket) {
+  boost::asio::ip::tcp::endpoint at;
+  auto size = static_cast<socklen_t>(at.capacity());
+  if (::getsockname(socket, at.data(), &size) != 0) {
+    return;  // no socket: the listener that takes it over says so
+  }
+  const auto address = routing::ClientAddress::parse(at.address().to_string());
+  const bool is_tcp = at.data()->sa_family == AF_INET || at.data()->sa_family == AF_INET6;
+  if (is_tcp && !(address && routing::is_loopback(*address))) {
+    reached.insert_or_assign(name, to_text(at));
+  }
+}
+
+void SystemdSockets::drop(const std::string& name) { reached.erase(name); }
+
+std::vector<std::string> open_listeners(const gateway::Settings& settings,
+                                        const SystemdSockets& sockets) {
+  std::vector<std::string> found;
+  for (const auto& listener : settings.listeners) {
+    const auto reached = sockets.reached.find(listener.name);
+    if (reached != sockets.reached.end() && settings.is_open_to_all(listener)) {
+      found.push_back("listener \"" + listener.name + "\": other machines reach the socket " +
+                      reached->second +
+                      " from systemd: expected 'allow' with those who may connect, such as allow = "
+                      "[\"192.168.10.0/24\"], or a [[rule]]");
+    }
+  }
+  return found;
 }
 
 }  // namespace mbgate::io

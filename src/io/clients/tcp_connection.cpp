@@ -8,9 +8,8 @@
 #include <cerrno>
 #include <utility>
 
-#include "io/as_tuple.hpp"
 #include "io/supervise.hpp"
-#include "io/unique_fd.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::io {
 namespace {
@@ -23,7 +22,7 @@ std::optional<std::size_t> try_send(int socket, modbus::Bytes bytes) {
   if (count >= 0) {
     return static_cast<std::size_t>(count);
   }
-  return would_block(errno) ? std::optional<std::size_t>(0) : std::nullopt;
+  return sys::would_block(errno) ? std::optional<std::size_t>(0) : std::nullopt;
 }
 
 }  // namespace
@@ -140,7 +139,7 @@ void TcpConnection::read_once() {
     context_.events.client_bytes(client_, modbus::Bytes(buffer).first(size), unread);
   } else if (count == 0) {
     handle_fin();
-  } else if (!would_block(errno)) {
+  } else if (!sys::would_block(errno)) {
     disconnect();
   }
 }
@@ -222,7 +221,7 @@ boost::asio::awaitable<void> TcpConnection::discard_until_fin(std::shared_ptr<Tc
     ReadBuffer& buffer = self->context_.buffer;
     const ssize_t count =
         ::recv(self->socket_.native_handle(), buffer.data(), buffer.size(), MSG_DONTWAIT);
-    if (count == 0 || (count < 0 && !would_block(errno))) {
+    if (count == 0 || (count < 0 && !sys::would_block(errno))) {
       co_return;
     }
   }

@@ -6,14 +6,14 @@
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
+#include <boost/asio/post.hpp>
 #include <cerrno>
 #include <utility>
 
 #include "gateway/limits.hpp"
-#include "io/as_tuple.hpp"
+#include "io/clients/resources.hpp"
 #include "io/clients/tcp_connection.hpp"
 #include "io/clock.hpp"
-#include "io/memory_left.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::io {
@@ -45,7 +45,7 @@ std::chrono::milliseconds age_of(int socket) {
   return std::chrono::milliseconds(known ? info.tcpi_last_data_sent : 0);
 }
 
-UniqueFd open_spare() { return UniqueFd(::open("/dev/null", O_RDONLY | O_CLOEXEC)); }
+sys::UniqueFd open_spare() { return sys::UniqueFd(::open("/dev/null", O_RDONLY | O_CLOEXEC)); }
 
 int accept_socket(int listening, tcp::endpoint& peer) {
   auto size = static_cast<socklen_t>(peer.capacity());
@@ -111,7 +111,7 @@ boost::asio::awaitable<void> TcpServer::run() {
 
 TcpServer::Outcome TcpServer::accept_one(bool count_bytes) {
   tcp::endpoint peer;
-  UniqueFd socket(accept_socket(acceptor_.native_handle(), peer));
+  sys::UniqueFd socket(accept_socket(acceptor_.native_handle(), peer));
   const int failure = socket.is_open() ? 0 : errno;
   const int reason = failure != 0 ? failure : objection(socket.get());
   if (reason == 0) {
@@ -139,7 +139,8 @@ int TcpServer::objection(int socket) const {
   return is_memory_left() ? 0 : ENOMEM;
 }
 
-TcpServer::Outcome TcpServer::take(UniqueFd socket, const tcp::endpoint& peer, bool count_bytes) {
+TcpServer::Outcome TcpServer::take(sys::UniqueFd socket, const tcp::endpoint& peer,
+                                   bool count_bytes) {
   const bool is_old = count_bytes || age_of(socket.get()) >= old_;
   const std::size_t waiting = is_old ? unread_bytes(socket.get()) : 0;
   tcp::socket connection(context_);
@@ -158,11 +159,53 @@ void TcpServer::shed() {
   spare_.reset();
   tcp::endpoint peer;
   for (int i = 0; i < kMostShed; ++i) {
-    if (!UniqueFd(accept_socket(acceptor_.native_handle(), peer)).is_open()) {
+    if (!sys::UniqueFd(accept_socket(acceptor_.native_handle(), peer)).is_open()) {
       break;
     }
   }
   spare_ = open_spare();
+}
+
+void ServerSet::add(gateway::ListenerId listener, boost::asio::ip::tcp::acceptor acceptor,
+                    int end) {
+  servers_.push_back(
+      std::make_unique<TcpServer>(context_, listener, std::move(acceptor), events_, end));
+  if (started_) {
+    servers_.back()->start();
+  }
+}
+
+void ServerSet::remove(gateway::ListenerId listener) {
+  for (auto& server : servers_) {
+    if (server->listener() == listener) {
+      server->stop();
+      // What waits for a client ends before this does.
+      boost::asio::post(context_, [stopped = std::move(server)] {});
+    }
+  }
+  std::erase(servers_, nullptr);
+}
+
+void ServerSet::set_end(int end) {
+  for (const auto& server : servers_) {
+    server->set_end(end);
+  }
+}
+
+void ServerSet::start() {
+  for (const auto& server : servers_) {
+    server->accept_waiting();
+  }
+  for (const auto& server : servers_) {
+    server->start();
+  }
+  started_ = true;
+}
+
+void ServerSet::stop() {
+  for (const auto& server : servers_) {
+    server->stop();
+  }
 }
 
 }  // namespace mbgate::io

@@ -9,10 +9,12 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/system/error_code.hpp>
+#include <memory>
+#include <vector>
 
 #include "gateway/settings.hpp"
-#include "io/unique_fd.hpp"
 #include "routing/client_address.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::io {
 
@@ -66,7 +68,7 @@ class TcpServer {
   Outcome accept_one(bool count_bytes);
   /// 0, or the error number that says why a client with this descriptor is not let in.
   [[nodiscard]] int objection(int socket) const;
-  Outcome take(UniqueFd socket, const boost::asio::ip::tcp::endpoint& peer, bool count_bytes);
+  Outcome take(sys::UniqueFd socket, const boost::asio::ip::tcp::endpoint& peer, bool count_bytes);
   /// With the spare descriptor, accepts and closes what is waiting.
   void shed();
 
@@ -77,7 +79,30 @@ class TcpServer {
   AcceptEvents& events_;
   int end_;
   bus::Duration old_;
-  UniqueFd spare_;
+  sys::UniqueFd spare_;
+};
+
+// The sockets that accept clients. One listener may have several.
+
+class ServerSet {
+ public:
+  ServerSet(boost::asio::io_context& context, AcceptEvents& events)
+      : context_(context), events_(events) {}
+
+  /// Descriptors from `end` on are not for clients. Once start() was called it accepts at once.
+  void add(gateway::ListenerId listener, boost::asio::ip::tcp::acceptor acceptor, int end);
+  /// Closes the sockets of this listener: no more clients are accepted on them.
+  void remove(gateway::ListenerId listener);
+  void set_end(int end);
+  /// Accepts the connections that are already waiting on all of them, then new ones.
+  void start();
+  void stop();
+
+ private:
+  boost::asio::io_context& context_;
+  AcceptEvents& events_;
+  std::vector<std::unique_ptr<TcpServer>> servers_;
+  bool started_ = false;
 };
 
 }  // namespace mbgate::io

@@ -10,8 +10,6 @@
 #include <memory>
 #include <system_error>
 
-#include "io/denials/advice.hpp"
-
 namespace mbgate::io {
 namespace {
 
@@ -42,9 +40,8 @@ Result<HostAddresses, std::string> resolve(const bus::Endpoint& remote) {
   addrinfo* first = nullptr;
   const int failure = ::getaddrinfo(remote.host.c_str(), nullptr, &wanted, &first);
   if (failure != 0) {
-    return (failure == EAI_SYSTEM ? std::generic_category().message(errno)
-                                  : ::gai_strerror(failure)) +
-           network_advice(starter());
+    return failure == EAI_SYSTEM ? std::generic_category().message(errno)
+                                 : std::string(::gai_strerror(failure));
   }
   const std::unique_ptr<addrinfo, FreeAddresses> owner(first);
   HostAddresses addresses;

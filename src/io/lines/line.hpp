@@ -3,18 +3,27 @@
 // single attempt; the machine decides when to try again.
 #pragma once
 
+#include <algorithm>
+#include <boost/asio/error.hpp>
 #include <boost/asio/io_context.hpp>
+#include <boost/system/error_code.hpp>
+#include <cerrno>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bus/job.hpp"
 #include "bus/settings.hpp"
 #include "io/blocking_calls.hpp"
-#include "io/lines/closing_ports.hpp"
 #include "io/lines/open_ends.hpp"
 #include "modbus/bytes.hpp"
+#include "modbus/rtu.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::io {
 
@@ -75,5 +84,63 @@ class Line {
 /// The line for these settings: a TCP connection if they have `remote`, else a serial line.
 std::unique_ptr<Line> make_line(const LineContext& context, drive::BusId bus,
                                 const bus::LineSettings& line);
+
+// Reads what is waiting in a line's descriptor, and nothing that arrives meanwhile: a peer that
+// never stops sending must not block the io thread.
+
+/// So much of a line is read at once: a framer has room for that behind a frame that has begun.
+inline constexpr std::size_t kLineReadSize = 2 * modbus::kMaxRtuSize;
+
+/// Reads at most `left` bytes, in pieces that fit `buffer`. `read` gets the buffer and does what
+/// ::read() does. `hand_over` gets the bytes that came, and returns whether the line is still the
+/// same. Returns why the line is dead: an errno, or eof; no error otherwise.
+template <class Read, class HandOver>
+[[nodiscard]] boost::system::error_code read_waiting(std::span<std::uint8_t> buffer,
+                                                     std::size_t left, Read read,
+                                                     HandOver hand_over) {
+  while (left > 0) {
+    const auto count = read(buffer.first(std::min(left, buffer.size())));
+    if (count == 0) {
+      return boost::asio::error::make_error_code(boost::asio::error::eof);
+    }
+    if (count < 0) {
+      return sys::would_block(errno)
+                 ? boost::system::error_code()
+                 : boost::system::error_code(errno, boost::system::system_category());
+    }
+    const auto bytes = static_cast<std::size_t>(count);
+    left -= bytes;
+    if (!hand_over(modbus::Bytes(buffer).first(bytes))) {
+      break;
+    }
+  }
+  return {};
+}
+
+// The lines of all buses. A reload may change a line; the next open() uses the new settings.
+
+class LineSet {
+ public:
+  explicit LineSet(LineContext context) : context_(std::move(context)) {}
+
+  /// The line of the bus, which must have been opened before.
+  Line& operator[](drive::BusId bus) { return *lines_[static_cast<std::size_t>(bus)].line; }
+  /// The line of the bus with these settings. If they differ from before, the line must have been
+  /// closed.
+  Line& with_settings(drive::BusId bus, const bus::LineSettings& settings);
+  /// Reads what can be read from all of them.
+  void read_now();
+
+ private:
+  struct Entry {
+    std::unique_ptr<Line> line;  ///< none: never opened
+    bus::LineSettings settings;
+  };
+  LineContext context_;
+  std::vector<Entry> lines_;
+  /// Lines that were closed and replaced by lines of another kind. A thread may still report to
+  /// them.
+  std::vector<std::unique_ptr<Line>> retired_;
+};
 
 }  // namespace mbgate::io

@@ -10,10 +10,10 @@
 #include <system_error>
 #include <utility>
 
-#include "io/as_tuple.hpp"
-#include "io/lines/read_waiting.hpp"
+#include "io/lines/line.hpp"
 #include "io/lines/tty_direction.hpp"
 #include "io/supervise.hpp"
+#include "sys/tty.hpp"
 
 namespace mbgate::io {
 namespace {
@@ -49,7 +49,7 @@ SerialLine::SerialLine(LineContext context, drive::BusId bus, bus::LineSettings 
 
 SerialLine::~SerialLine() {
   if (state_ == State::open) {
-    close_tty(UniqueFd(descriptor_.release()), settings_);
+    close_tty(sys::UniqueFd(descriptor_.release()), settings_);
   }
 }
 
@@ -118,7 +118,7 @@ std::optional<std::string> SerialLine::transmit(modbus::Bytes frame) {
     error = error_text("raise RTS", errno);
   } else {
     const ssize_t count = ::write(descriptor_.native_handle(), frame.data(), frame.size());
-    if (count < 0 && !would_block(errno)) {
+    if (count < 0 && !sys::would_block(errno)) {
       error = error_text("write", errno);
     } else {
       const auto rest = frame.subspan(count < 0 ? 0 : static_cast<std::size_t>(count));
@@ -156,7 +156,7 @@ boost::asio::awaitable<void> SerialLine::read_loop(unsigned generation) {
       lose_reading(error);
       co_return;
     }
-    read(std::max<std::size_t>(bytes_to_read(descriptor_.native_handle()), 1));
+    read(std::max<std::size_t>(sys::bytes_to_read(descriptor_.native_handle()), 1));
     if (generation != generation_) {
       co_return;
     }
@@ -164,17 +164,17 @@ boost::asio::awaitable<void> SerialLine::read_loop(unsigned generation) {
 }
 
 bool SerialLine::has_bytes() {
-  return state_ == State::open && bytes_to_read(descriptor_.native_handle()) > 0;
+  return state_ == State::open && sys::bytes_to_read(descriptor_.native_handle()) > 0;
 }
 
 void SerialLine::read_now() {
   if (state_ == State::open) {
-    read(bytes_to_read(descriptor_.native_handle()));
+    read(sys::bytes_to_read(descriptor_.native_handle()));
   }
   if (state_ != State::open) {
     return;
   }
-  const std::size_t unsent = bytes_to_send(descriptor_.native_handle()) + rest_.size();
+  const std::size_t unsent = sys::bytes_to_send(descriptor_.native_handle()) + rest_.size();
   if (std::exchange(unsent_, unsent) != unsent) {
     context_.events.line_unsent(bus_, unsent);
   }
@@ -202,7 +202,7 @@ boost::asio::awaitable<void> SerialLine::write_rest(unsigned generation) {
       co_return;
     }
     const ssize_t count = ::write(descriptor_.native_handle(), rest_.data(), rest_.size());
-    if (count < 0 && !would_block(errno)) {
+    if (count < 0 && !sys::would_block(errno)) {
       lose(error_text("write", errno));
       co_return;
     }
@@ -255,7 +255,7 @@ void SerialLine::close() {
   ++generation_;
   timer_.cancel();
   if (descriptor_.is_open()) {
-    close_elsewhere(UniqueFd(descriptor_.release()), settings_);
+    close_elsewhere(sys::UniqueFd(descriptor_.release()), settings_);
   }
 }
 
@@ -268,7 +268,7 @@ bool SerialLine::adopt(const bus::LineSettings& settings) {
   return true;
 }
 
-void SerialLine::close_elsewhere(UniqueFd fd, const bus::LineSettings& opened) {
+void SerialLine::close_elsewhere(sys::UniqueFd fd, const bus::LineSettings& opened) {
   // Without a thread the descriptor is closed here, as soon as run() has given up.
   auto closed = std::make_shared<std::promise<void>>();
   closed_ = closed->get_future().share();

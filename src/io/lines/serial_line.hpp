@@ -14,7 +14,6 @@
 
 #include "bus/settings.hpp"
 #include "io/lines/line.hpp"
-#include "io/lines/read_waiting.hpp"
 #include "io/lines/tty.hpp"
 #include "modbus/rtu.hpp"
 
@@ -42,7 +41,7 @@ class SerialLine final : public Line {
   boost::asio::awaitable<void> release_rts(unsigned generation);
   void finish_open(Result<OpenTty, std::string> result, const bus::LineSettings& opened,
                    unsigned generation);
-  void close_elsewhere(UniqueFd fd, const bus::LineSettings& opened);
+  void close_elsewhere(sys::UniqueFd fd, const bus::LineSettings& opened);
   void lose(const std::string& why);
   void read(std::size_t left);
   void lose_reading(const boost::system::error_code& error);

@@ -14,9 +14,8 @@
 #include <utility>
 #include <variant>
 
-#include "io/as_tuple.hpp"
-#include "io/denials/advice.hpp"
-#include "io/lines/read_waiting.hpp"
+#include "io/advice.hpp"
+#include "io/lines/line.hpp"
 #include "io/lines/tcp_options.hpp"
 #include "io/supervise.hpp"
 
@@ -42,7 +41,7 @@ std::optional<std::size_t> try_send(tcp::socket& socket, modbus::Bytes bytes) {
   if (count >= 0) {
     return static_cast<std::size_t>(count);
   }
-  return would_block(errno) ? std::optional<std::size_t>(0) : std::nullopt;
+  return sys::would_block(errno) ? std::optional<std::size_t>(0) : std::nullopt;
 }
 
 /// What ended first: an operation on the socket, or the timer that limits it.
@@ -108,9 +107,7 @@ boost::asio::awaitable<void> TcpLine::connect(HostAddresses addresses, unsigned 
       co_return;
     }
     const error_code error = failure_of(ended, socket_);
-    std::string failure =
-        error ? error.message() + (error.value() == ENETUNREACH ? network_advice(starter()) : "")
-              : std::string();
+    std::string failure = error ? error.message() + connect_advice(error.value()) : std::string();
     if (!error && tls_) {
       auto why_not = co_await secure(generation);
       if (!why_not) {

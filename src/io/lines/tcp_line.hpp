@@ -16,7 +16,6 @@
 #include "bus/settings.hpp"
 #include "io/lines/host_addresses.hpp"
 #include "io/lines/line.hpp"
-#include "io/lines/read_waiting.hpp"
 #include "io/uplink/tls_uplink.hpp"
 
 namespace mbgate::io {

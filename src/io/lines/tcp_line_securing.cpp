@@ -6,9 +6,9 @@
 #include <utility>
 #include <variant>
 
-#include "io/as_tuple.hpp"
 #include "io/lines/tcp_line.hpp"
 #include "io/lines/tcp_options.hpp"
+#include "io/supervise.hpp"
 
 namespace mbgate::io {
 namespace {
@@ -24,12 +24,12 @@ using boost::system::error_code;
 boost::asio::awaitable<std::optional<std::string>> TcpLine::secure(unsigned generation) {
   warnings_ = set_options(socket_.native_handle(), times_, name_);
   error_code error;
-  UniqueFd server(socket_.release(error));
+  sys::UniqueFd server(socket_.release(error));
   uplink_ = TlsUplink::start(std::move(server), *tls_);
   if (!uplink_) {
     co_return "no thread for TLS";
   }
-  UniqueFd line_end = uplink_->take_line_end();
+  sys::UniqueFd line_end = uplink_->take_line_end();
   socket_.assign(tcp::v4(), line_end.get(), error);
   if (error) {
     co_return error.message();

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/lines/tty.hpp"
 
-#include <fcntl.h>
-#include <grp.h>
 #include <linux/serial.h>
-#include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
-#include <termios.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -20,18 +15,11 @@
 #include <system_error>
 #include <utility>
 
-#include "io/denials/advice.hpp"
 #include "io/lines/tty_direction.hpp"
-#include "io/lines/tty_mode.hpp"
+#include "sys/tty.hpp"
 
 namespace mbgate::io {
 namespace {
-
-/// The device numbers of Unix 98 pseudo-terminals (Linux, Documentation/admin-guide/devices.txt).
-constexpr unsigned kFirstPtyMajor = 136;
-constexpr unsigned kLastPtyMajor = 143;
-
-std::string in_use(const std::string& device) { return device + ": another program uses it"; }
 
 /// The driver's name as DeviceAllow= of systemd wants it: that of the device without its number,
 /// and not that of a link to it. ProcSubset=pid hides /proc/devices, where it stands.
@@ -43,53 +31,12 @@ std::string driver_name(const std::string& device) {
   return name;
 }
 
-/// In a user namespace (PrivateUsers= of a unit), each group that is not of it has this number.
-constexpr gid_t kForeignGroup = 65534;
-
-TtyAccess access_of(const std::string& device) {
-  struct stat status {};
-  if (::stat(device.c_str(), &status) != 0) {
-    return {};
-  }
-  TtyAccess access{status.st_mode, {}, ::group_member(status.st_gid) != 0};
-  constexpr std::size_t kLongestEntry = 16384;  // with all members of the group
-  std::vector<char> text(kLongestEntry);
-  group entry{};
-  group* found = nullptr;
-  if (status.st_gid != kForeignGroup &&
-      ::getgrgid_r(status.st_gid, &entry, text.data(), text.size(), &found) == 0 &&
-      found != nullptr) {
-    access.group = entry.gr_name;
-  }
-  return access;
-}
-
-bool is_pseudo_terminal(int fd) {
-  struct stat status {};
-  if (::fstat(fd, &status) != 0) {
-    return false;
-  }
-  return major(status.st_rdev) >= kFirstPtyMajor && major(status.st_rdev) <= kLastPtyMajor;
-}
-
-std::optional<std::string> take_exclusively(int fd, const std::string& device,
-                                            bool pseudo_terminal) {
-  // TIOCEXCL does not stop root, and flock stops only those who ask: both together stop everyone
-  // who looks.
-  if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
-    return errno == EWOULDBLOCK
-               ? in_use(device)
-               : device + ": cannot lock it: " + std::generic_category().message(errno);
-  }
-  // A pseudo-terminal keeps the flag of a program that has died, as long as its other end is open.
-  int exclusive = 0;
-  if (!pseudo_terminal && ::ioctl(fd, TIOCGEXCL, &exclusive) == 0 && exclusive != 0) {
-    return in_use(device);
-  }
-  if (::ioctl(fd, TIOCEXCL) != 0) {
-    return device + ": cannot take it for exclusive use: " + std::generic_category().message(errno);
-  }
-  return std::nullopt;
+sys::TtyMode mode_of(const bus::LineSettings& line) {
+  const auto parity = line.format.parity == modbus::Parity::none   ? sys::TtyParity::none
+                      : line.format.parity == modbus::Parity::even ? sys::TtyParity::even
+                                                                   : sys::TtyParity::odd;
+  return {static_cast<std::uint32_t>(line.baud), line.format.data_bits, parity,
+          line.format.stop_bits};
 }
 
 /// Without it an FTDI chip holds received bytes back for up to 16 ms. Only at open: changing it
@@ -130,49 +77,69 @@ bus::LineKind kind_of(int fd) {
     return bus::LineKind::adapter;
   }
   serial_struct serial{};
-  return !is_pseudo_terminal(fd) && !name.empty() && ::ioctl(fd, TIOCGSERIAL, &serial) == 0
+  return !sys::is_pseudo_terminal(fd) && !name.empty() && ::ioctl(fd, TIOCGSERIAL, &serial) == 0
              ? bus::LineKind::uart
              : bus::LineKind::virtual_line;
 }
 
 }  // namespace
 
-std::string open_failure(const std::string& device, int error, Starter starter) {
+std::string open_failure(const std::string& device, int error) {
   std::string text = "cannot open " + device + ": " + std::generic_category().message(error);
   switch (error) {
-    case EBUSY: return in_use(device);
-    case EACCES: return text + tty_advice(device, access_of(device), starter);
+    case EBUSY: return device + ": another program uses it";
+    case ENOTTY: return device + ": this is no serial line";
+    case EACCES:
+      return text +
+             "; the user that mbgated runs as must be in the group of this port, mostly dialout "
+             "(\"ls -lL " +
+             device + "\" names it), and its mode must let that group read and write";
     case EPERM:
       // The device cgroup refuses with EPERM where file modes refuse with EACCES. A DeviceAllow= of
       // a driver that was not loaded when the unit started allows nothing.
       return text +
              "; if systemd started mbgated, its unit does not allow this driver, or the driver was "
-             R"(loaded after the unit had started: run "systemctl edit mbgated", paste the two )"
-             R"(lines "[Service]" and "DeviceAllow=char-)" +
-             driver_name(device) + R"( rw", then run "systemctl restart mbgated")";
+             "loaded after the unit had started: the unit needs \"DeviceAllow=char-" +
+             driver_name(device) + " rw\" (systemctl edit mbgated)";
     default: return text;
   }
 }
 
+Result<std::vector<std::string>, std::string> set_mode(int fd, const bus::LineSettings& line,
+                                                       bool is_pseudo_terminal) {
+  const sys::TtyMode wanted = mode_of(line);
+  const auto real = sys::set_tty_mode(fd, wanted);
+  if (!real) {
+    return line.device + ": cannot set " + to_text(line) + ": " +
+           std::generic_category().message(errno);
+  }
+  if (!real->has_rate_near(wanted.baud)) {
+    return line.device + ": asked for " + std::to_string(wanted.baud) + " baud, the driver took " +
+           std::to_string(real->baud) + " baud, which is more than 2 % off";
+  }
+  if (real->has_format_of(wanted)) {
+    return std::vector<std::string>();
+  }
+  std::string text = line.device + ": asked for " + wanted.format_text() + ", the driver took " +
+                     real->format_text();
+  if (!is_pseudo_terminal) {
+    return text;
+  }
+  return std::vector{std::move(text)};
+}
+
+std::string to_text(const bus::LineSettings& line) {
+  return std::to_string(static_cast<std::uint32_t>(line.baud)) + " " + mode_of(line).format_text();
+}
+
 Result<OpenTty, std::string> open_tty(const bus::LineSettings& line) {
-  UniqueFd fd(::open(line.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  sys::UniqueFd fd = sys::open_tty(line.device);
   if (!fd.is_open()) {
     return open_failure(line.device, errno);
   }
-  if (::isatty(fd.get()) == 0) {
-    return line.device + ": this is no serial line";
-  }
-  const bool pseudo_terminal = is_pseudo_terminal(fd.get());
-  if (auto error = take_exclusively(fd.get(), line.device, pseudo_terminal)) {
-    return *std::move(error);
-  }
-  auto warnings = set_tty_mode(fd.get(), line, pseudo_terminal);
-  std::optional<std::string> error;
-  if (!warnings) {
-    error = warnings.error();
-  } else {
-    error = set_direction_control(fd.get(), line);
-  }
+  auto warnings = set_mode(fd.get(), line, sys::is_pseudo_terminal(fd.get()));
+  auto error = warnings ? set_direction_control(fd.get(), line)
+                        : std::optional<std::string>(warnings.error());
   if (error) {
     close_tty(std::move(fd), line);
     return *std::move(error);
@@ -183,30 +150,20 @@ Result<OpenTty, std::string> open_tty(const bus::LineSettings& line) {
     }
   }
   // What lies there was meant for somebody before us.
-  ::tcflush(fd.get(), TCIOFLUSH);
+  sys::discard_all(fd.get());
   const bus::LineKind kind = kind_of(fd.get());
   return OpenTty{std::move(fd), kind, *std::move(warnings)};
 }
 
-std::size_t bytes_to_read(int fd) {
-  int count = 0;
-  return ::ioctl(fd, FIONREAD, &count) == 0 && count > 0 ? static_cast<std::size_t>(count) : 0;
-}
-
-std::size_t bytes_to_send(int fd) {
-  int count = 0;
-  return ::ioctl(fd, TIOCOUTQ, &count) == 0 && count > 0 ? static_cast<std::size_t>(count) : 0;
-}
-
-void close_tty(UniqueFd fd, const bus::LineSettings& line) {
+void close_tty(sys::UniqueFd fd, const bus::LineSettings& line) {
   if (!fd.is_open()) {
     return;
   }
-  ::tcflush(fd.get(), TCOFLUSH);
+  sys::discard_output(fd.get());
   if (line.rs485 == bus::Rs485::rts) {
     set_rts(fd.get(), false);
   }
-  ::ioctl(fd.get(), TIOCNXCL);
+  sys::release_tty(fd.get());
 }
 
 }  // namespace mbgate::io

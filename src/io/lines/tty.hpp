@@ -7,14 +7,13 @@
 #include <vector>
 
 #include "bus/settings.hpp"
-#include "io/denials/starter.hpp"
-#include "io/unique_fd.hpp"
 #include "modbus/result.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::io {
 
 struct OpenTty {
-  UniqueFd fd;  ///< non-blocking
+  sys::UniqueFd fd;  ///< non-blocking
   bus::LineKind kind;
   std::vector<std::string> warnings;
 };
@@ -25,17 +24,19 @@ struct OpenTty {
 Result<OpenTty, std::string> open_tty(const bus::LineSettings& line);
 
 /// The text when open() of `device` has failed with `error`: what the system said, and what helps.
-std::string open_failure(const std::string& device, int error, Starter starter = io::starter());
+std::string open_failure(const std::string& device, int error);
 
-/// What can be read.
-std::size_t bytes_to_read(int fd);
-/// What was given to the driver and has not left, as far as it knows. Drivers that cannot say so
-/// hold nothing: the TIOCOUTQ of a pty is always 0.
-std::size_t bytes_to_send(int fd);
+/// "19200 8E1"
+std::string to_text(const bus::LineSettings& line);
+
+/// Sets rate and format. Returns warnings, or the error why the line cannot be used. A
+/// pseudo-terminal has neither parity nor 7-bit characters; there this is only a warning.
+Result<std::vector<std::string>, std::string> set_mode(int fd, const bus::LineSettings& line,
+                                                       bool is_pseudo_terminal);
 
 /// Closes the line. What was not transmitted yet is discarded, because waiting for it can take 30
 /// s. A transceiver that we switch by RTS is left receiving: a raised RTS would stay after us and
 /// block the bus.
-void close_tty(UniqueFd fd, const bus::LineSettings& line);
+void close_tty(sys::UniqueFd fd, const bus::LineSettings& line);
 
 }  // namespace mbgate::io

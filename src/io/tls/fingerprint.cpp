@@ -2,10 +2,15 @@
 #include "io/tls/fingerprint.hpp"
 
 #include <openssl/crypto.h>
+#include <openssl/evp.h>
 
 #include <algorithm>
 #include <array>
 #include <ctime>
+#include <memory>
+
+#include "base/assert.hpp"
+#include "sys/openssl.hpp"
 
 namespace mbgate::io {
 namespace {
@@ -50,20 +55,46 @@ std::string fingerprint(const X509& certificate) {
   return hex_pairs(digest, size);
 }
 
-std::string fingerprints(const std::vector<CertificateHandle>& certificates) {
+std::string fingerprints(const std::vector<sys::CertificateHandle>& certificates) {
   std::string text;
-  for (const CertificateHandle& certificate : certificates) {
+  for (const sys::CertificateHandle& certificate : certificates) {
     text += (text.empty() ? "" : " and ") + fingerprint(*certificate);
   }
   return text;
 }
 
-std::string lists_text(const std::vector<CrlHandle>& lists) {
+std::string lists_text(const std::vector<sys::CrlHandle>& lists) {
   std::string text;
-  for (const CrlHandle& list : lists) {
+  for (const sys::CrlHandle& list : lists) {
     text += (text.empty() ? "" : " and ") + list_text(*list);
   }
   return text.empty() ? "none" : text;
 }
+
+namespace {
+
+constexpr std::size_t kSize = 32;
+
+}  // namespace
+
+std::string sha256(std::span<const std::string_view> texts) {
+  const std::unique_ptr<EVP_MD_CTX, sys::FreeWith<EVP_MD_CTX_free>> context(EVP_MD_CTX_new());
+  bool good = context && EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) == 1;
+  for (const std::string_view text : texts) {
+    good = good && EVP_DigestUpdate(context.get(), text.data(), text.size()) == 1;
+  }
+  std::array<unsigned char, kSize> digest{};
+  good = good && EVP_DigestFinal_ex(context.get(), digest.data(), nullptr) == 1;
+  MBGATE_ASSERT(good, "OpenSSL has SHA-256");
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string hex;
+  for (const unsigned char byte : digest) {
+    hex += kDigits[byte >> 4U];
+    hex += kDigits[byte & 0xFU];
+  }
+  return hex;
+}
+
+std::string sha256(std::string_view text) { return sha256(std::span(&text, 1)); }
 
 }  // namespace mbgate::io

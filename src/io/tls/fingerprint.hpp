@@ -4,18 +4,26 @@
 // print it.
 #pragma once
 
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "io/tls/openssl_handles.hpp"
+#include "sys/openssl.hpp"
 
 namespace mbgate::io {
 
 /// "1A:2B:3C:4D:5E:6F:70:81".
 std::string fingerprint(const X509& certificate);
 /// Of all of them, with "and" between.
-std::string fingerprints(const std::vector<CertificateHandle>& certificates);
+std::string fingerprints(const std::vector<sys::CertificateHandle>& certificates);
 /// "2026-11-28 07:12:31 UTC, 3 revoked, 1A:2B:...": when it was made, and how many it names.
-std::string lists_text(const std::vector<CrlHandle>& lists);
+std::string lists_text(const std::vector<sys::CrlHandle>& lists);
+
+// SHA-256 (FIPS 180-4) of text, for what is shown and compared with sha256sum(1).
+
+/// Of the texts one behind the other: 64 hexadecimal digits in lower case.
+std::string sha256(std::span<const std::string_view> texts);
+std::string sha256(std::string_view text);
 
 }  // namespace mbgate::io

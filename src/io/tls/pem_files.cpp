@@ -40,7 +40,7 @@ Result<std::vector<Handle>, std::string> read_all(const std::string& path, const
   if (!pem.why.empty()) {
     return pem.why;
   }
-  const BioHandle source(BIO_new_mem_buf(pem.text.data(), static_cast<int>(pem.text.size())));
+  const sys::BioHandle source(BIO_new_mem_buf(pem.text.data(), static_cast<int>(pem.text.size())));
   std::vector<Handle> found;
   while (Handle one{next(source.get())}) {
     found.push_back(std::move(one));
@@ -54,7 +54,7 @@ Result<std::vector<Handle>, std::string> read_all(const std::string& path, const
 }
 
 std::string subject_text(const X509_NAME& name) {
-  const BioHandle text(BIO_new(BIO_s_mem()));
+  const sys::BioHandle text(BIO_new(BIO_s_mem()));
   X509_NAME_print_ex(text.get(), &name, 0, XN_FLAG_RFC2253 & ~ASN1_STRFLGS_ESC_MSB);
   char* data = nullptr;
   const long size = BIO_get_mem_data(text.get(), &data);
@@ -63,9 +63,9 @@ std::string subject_text(const X509_NAME& name) {
 
 /// An authority of which there is no list; nullptr: each has one.
 const X509_NAME* without_list(const Trusted& trusted) {
-  for (const CertificateHandle& authority : trusted.authorities) {
+  for (const sys::CertificateHandle& authority : trusted.authorities) {
     const X509_NAME* const name = X509_get_subject_name(authority.get());
-    const auto is_its = [name](const CrlHandle& list) {
+    const auto is_its = [name](const sys::CrlHandle& list) {
       return X509_NAME_cmp(X509_CRL_get_issuer(list.get()), name) == 0;
     };
     if (std::ranges::none_of(trusted.lists, is_its)) {
@@ -77,14 +77,15 @@ const X509_NAME* without_list(const Trusted& trusted) {
 
 }  // namespace
 
-Result<std::vector<CertificateHandle>, std::string> read_certificates(const std::string& path) {
-  return read_all<CertificateHandle>(path, "certificates", [](BIO* source) {
+Result<std::vector<sys::CertificateHandle>, std::string> read_certificates(
+    const std::string& path) {
+  return read_all<sys::CertificateHandle>(path, "certificates", [](BIO* source) {
     return PEM_read_bio_X509(source, nullptr, nullptr, nullptr);
   });
 }
 
-Result<std::vector<CrlHandle>, std::string> read_crls(const std::string& path) {
-  return read_all<CrlHandle>(path, "lists of revoked certificates", [](BIO* source) {
+Result<std::vector<sys::CrlHandle>, std::string> read_crls(const std::string& path) {
+  return read_all<sys::CrlHandle>(path, "lists of revoked certificates", [](BIO* source) {
     return PEM_read_bio_X509_CRL(source, nullptr, nullptr, nullptr);
   });
 }
@@ -95,7 +96,7 @@ std::optional<std::string> use_certificate(SSL_CTX& context, const std::string& 
     return chain.error();
   }
   if (SSL_CTX_use_certificate(&context, chain->front().get()) != 1) {
-    return path + ": " + take_openssl_error();
+    return path + ": " + sys::take_openssl_error();
   }
   for (std::size_t at = 1; at < chain->size(); ++at) {
     SSL_CTX_add1_chain_cert(&context, (*chain)[at].get());
@@ -111,9 +112,9 @@ Result<Trusted, std::string> use_authorities(SSL_CTX& context, const std::string
   }
   Trusted trusted{*std::move(certificates)};
   X509_STORE* const store = SSL_CTX_get_cert_store(&context);
-  for (const CertificateHandle& authority : trusted.authorities) {
+  for (const sys::CertificateHandle& authority : trusted.authorities) {
     if (X509_STORE_add_cert(store, authority.get()) != 1) {
-      return authorities + ": " + take_openssl_error();
+      return authorities + ": " + sys::take_openssl_error();
     }
   }
   if (crl.empty()) {
@@ -128,9 +129,9 @@ Result<Trusted, std::string> use_authorities(SSL_CTX& context, const std::string
     return crl + ": expected a list of revoked certificates of each authority in " + authorities +
            ", found none of " + subject_text(*missing);
   }
-  for (const CrlHandle& list : trusted.lists) {
+  for (const sys::CrlHandle& list : trusted.lists) {
     if (X509_STORE_add_crl(store, list.get()) != 1) {
-      return crl + ": " + take_openssl_error();
+      return crl + ": " + sys::take_openssl_error();
     }
   }
   X509_STORE_set_flags(store, X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL);

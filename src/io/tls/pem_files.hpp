@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "io/tls/openssl_handles.hpp"
 #include "modbus/result.hpp"
+#include "sys/openssl.hpp"
 
 namespace mbgate::io {
 
 /// All certificates of the file, one at least; or why not, with the path.
-Result<std::vector<CertificateHandle>, std::string> read_certificates(const std::string& path);
+Result<std::vector<sys::CertificateHandle>, std::string> read_certificates(const std::string& path);
 /// All lists of the file, one at least; or why not, with the path.
-Result<std::vector<CrlHandle>, std::string> read_crls(const std::string& path);
+Result<std::vector<sys::CrlHandle>, std::string> read_crls(const std::string& path);
 
 /// Gives the context the first certificate of the file as its own, and those behind it as its
 /// chain; or says why not, with the path.
@@ -22,8 +22,8 @@ std::optional<std::string> use_certificate(SSL_CTX& context, const std::string& 
 
 /// Of whom certificates are accepted, and what of them is revoked.
 struct Trusted {
-  std::vector<CertificateHandle> authorities;
-  std::vector<CrlHandle> lists{};  ///< none: nothing is known of that
+  std::vector<sys::CertificateHandle> authorities;
+  std::vector<sys::CrlHandle> lists{};  ///< none: nothing is known of that
 };
 
 /// Makes the context accept what the authorities of the one file have signed, but not what the

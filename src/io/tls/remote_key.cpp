@@ -17,8 +17,8 @@ namespace {
 
 using signing::Question;
 using SignerHold = std::shared_ptr<SignerClient>;
-using RsaHandle = std::unique_ptr<RSA, FreeWith<RSA_free>>;
-using EcHandle = std::unique_ptr<EC_KEY, FreeWith<EC_KEY_free>>;
+using RsaHandle = std::unique_ptr<RSA, sys::FreeWith<RSA_free>>;
+using EcHandle = std::unique_ptr<EC_KEY, sys::FreeWith<EC_KEY_free>>;
 
 /// Called when a key goes that holds a signer.
 void free_hold(void* /*parent*/, void* held, CRYPTO_EX_DATA* /*data*/, int /*index*/,
@@ -47,14 +47,14 @@ int ec_index() {
   return index;
 }
 
-/// Nothing: why is the reason that take_openssl_error() gives.
+/// Nothing: why is the reason that sys::take_openssl_error() gives.
 std::optional<Octets> ask(void* held, Question how, std::span<const std::uint8_t> bytes) {
   if (held == nullptr) {
     return std::nullopt;
   }
   auto signature = (*static_cast<SignerHold*>(held))->sign(how, bytes);
   if (!signature) {
-    raise_own_error(signature.error());
+    sys::raise_own_error(signature.error());
     return std::nullopt;
   }
   return *std::move(signature);
@@ -115,10 +115,10 @@ const EC_KEY_METHOD* ec_method() {
   return method;
 }
 
-KeyHandle rsa_key(EVP_PKEY* open, SignerHold signer) {
+sys::KeyHandle rsa_key(EVP_PKEY* open, SignerHold signer) {
   const RsaHandle original(EVP_PKEY_get1_RSA(open));
   RsaHandle rsa(original ? RSAPublicKey_dup(original.get()) : nullptr);
-  KeyHandle key(EVP_PKEY_new());
+  sys::KeyHandle key(EVP_PKEY_new());
   if (!rsa || RSA_set_method(rsa.get(), rsa_method()) != 1 ||
       RSA_set_ex_data(rsa.get(), rsa_index(), new SignerHold(std::move(signer))) != 1 ||
       EVP_PKEY_set1_RSA(key.get(), rsa.get()) != 1) {
@@ -127,10 +127,10 @@ KeyHandle rsa_key(EVP_PKEY* open, SignerHold signer) {
   return key;
 }
 
-KeyHandle ec_key(EVP_PKEY* open, SignerHold signer) {
+sys::KeyHandle ec_key(EVP_PKEY* open, SignerHold signer) {
   const EcHandle original(EVP_PKEY_get1_EC_KEY(open));
   EcHandle ec(original ? EC_KEY_dup(original.get()) : nullptr);
-  KeyHandle key(EVP_PKEY_new());
+  sys::KeyHandle key(EVP_PKEY_new());
   if (!ec || EC_KEY_set_method(ec.get(), ec_method()) != 1 ||
       EC_KEY_set_ex_data(ec.get(), ec_index(), new SignerHold(std::move(signer))) != 1 ||
       EVP_PKEY_set1_EC_KEY(key.get(), ec.get()) != 1) {
@@ -141,9 +141,10 @@ KeyHandle ec_key(EVP_PKEY* open, SignerHold signer) {
 
 }  // namespace
 
-KeyHandle remote_key(std::shared_ptr<SignerClient> signer) {
+sys::KeyHandle remote_key(std::shared_ptr<SignerClient> signer) {
   const unsigned char* der = signer->public_key().data();
-  const KeyHandle open(d2i_PUBKEY(nullptr, &der, static_cast<long>(signer->public_key().size())));
+  const sys::KeyHandle open(
+      d2i_PUBKEY(nullptr, &der, static_cast<long>(signer->public_key().size())));
   if (!open) {
     return nullptr;
   }

@@ -5,12 +5,12 @@
 #include <memory>
 #include <string>
 
-#include "io/tls/openssl_handles.hpp"
 #include "io/tls/signer_client.hpp"
+#include "sys/openssl.hpp"
 
 namespace mbgate::io {
 
 /// A key of RSA or EC, as `signer` has it. Nothing if OpenSSL does not take it.
-KeyHandle remote_key(std::shared_ptr<SignerClient> signer);
+sys::KeyHandle remote_key(std::shared_ptr<SignerClient> signer);
 
 }  // namespace mbgate::io

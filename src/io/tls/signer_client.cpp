@@ -57,7 +57,7 @@ SilentSigners& silent_signers() {
 }
 
 /// What the socket does next may take until then. False: the time is over.
-bool limit_waiting(const UniqueFd& socket, bus::Instant limit) {
+bool limit_waiting(const sys::UniqueFd& socket, bus::Instant limit) {
   const auto left = std::chrono::duration_cast<std::chrono::microseconds>(limit - now());
   if (left.count() <= 0) {
     errno = EAGAIN;
@@ -70,7 +70,7 @@ bool limit_waiting(const UniqueFd& socket, bus::Instant limit) {
 }
 
 /// Waits too, if the signer has many connections that it has not taken yet.
-UniqueFd connect_to(const std::string& path, bus::Instant limit) {
+sys::UniqueFd connect_to(const std::string& path, bus::Instant limit) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path.size() >= sizeof address.sun_path) {
@@ -78,11 +78,11 @@ UniqueFd connect_to(const std::string& path, bus::Instant limit) {
     return {};
   }
   std::ranges::copy(path, address.sun_path);
-  UniqueFd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+  sys::UniqueFd socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
   const bool connected =
       limit_waiting(socket, limit) &&
       ::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-  return connected ? std::move(socket) : UniqueFd();
+  return connected ? std::move(socket) : sys::UniqueFd();
 }
 
 /// What belongs to an answer of this kind; nothing if it is another.

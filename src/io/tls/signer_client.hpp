@@ -14,8 +14,8 @@
 
 #include "base/signing.hpp"
 #include "bus/instant.hpp"
-#include "io/unique_fd.hpp"
 #include "modbus/result.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::io {
 
@@ -55,7 +55,7 @@ class SignerClient {
   std::string key_;
   Octets public_key_;
   std::mutex mutex_;  ///< of the connection: a reload may use the key while the old one still signs
-  UniqueFd socket_;
+  sys::UniqueFd socket_;
 };
 
 }  // namespace mbgate::io

@@ -10,7 +10,6 @@
 #include <cerrno>
 #include <utility>
 
-#include "io/as_tuple.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::io {
@@ -33,23 +32,21 @@ TlsClient::TlsClient(TlsClientContext& shared, std::uint64_t key,
       key_(key),
       context_(std::move(context)),
       socket_(std::move(socket)),
-      ssl_(context_->new_ssl()),
+      stream_(context_->new_ssl(), socket_.native_handle()),
       pair_(shared.io),
       timer_(shared.io),
       down_over_(shared.io) {
-  SSL_set_fd(ssl_.get(), socket_.native_handle());
-  records_.watch(*ssl_);
-  SSL_set_accept_state(ssl_.get());
+  SSL_set_accept_state(&stream_.ssl());
 }
 
-UniqueFd TlsClient::make_pair() {
+sys::UniqueFd TlsClient::make_pair() {
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends.data()) != 0) {
     return {};
   }
   error_code error;
   pair_.assign(boost::asio::local::stream_protocol(), ends[0], error);
-  UniqueFd theirs(ends[1]);
+  sys::UniqueFd theirs(ends[1]);
   if (error) {
     ::close(ends[0]);
     return {};
@@ -82,9 +79,9 @@ boost::asio::awaitable<void> TlsClient::carry_up(std::shared_ptr<TlsClient> self
       }
       continue;
     }
-    if (step == Step::broken) {
+    if (step == Step::broken || step == Step::flooded) {
       self->end();
-    } else if (step == Step::finished) {
+    } else if (step == Step::closed) {
       error_code ignored;
       self->pair_.shutdown(PairSocket::shutdown_send, ignored);
       // A reset after it is to be noticed still.
@@ -107,13 +104,12 @@ TlsClient::Step TlsClient::read_up() {
     return Step::done;
   }
   std::array<std::uint8_t, kCarriedAtOnce> bytes{};
-  prepare_step();
-  const int count = SSL_read(ssl_.get(), bytes.data(), static_cast<int>(bytes.size()));
-  if (count > 0) {
-    up_.assign(bytes.begin(), bytes.begin() + count);
-    return Step::done;
+  std::size_t count = 0;
+  const Step step = note(stream_.read(bytes, count));
+  if (step == Step::done) {
+    up_.assign(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count));
   }
-  return step_after(count);
+  return step;
 }
 
 /// Has the machine all of it? What it does not want any more counts too.
@@ -152,9 +148,9 @@ std::size_t TlsClient::drain() {
     step = read_up();
     drained += step == Step::done ? up_.size() : 0;
   }
-  if (step == Step::broken) {
+  if (step == Step::broken || step == Step::flooded) {
     end();
-  } else if (step == Step::finished) {
+  } else if (step == Step::closed) {
     error_code ignored;
     pair_.shutdown(PairSocket::shutdown_send, ignored);
   }
@@ -187,14 +183,11 @@ boost::asio::awaitable<void> TlsClient::carry_down(std::shared_ptr<TlsClient> se
 boost::asio::awaitable<bool> TlsClient::write_down(std::shared_ptr<TlsClient> self,
                                                    std::span<const std::uint8_t> bytes) {
   while (!bytes.empty() && self->socket_.is_open()) {
-    self->prepare_step();
-    const int count = SSL_write(self->ssl_.get(), bytes.data(), static_cast<int>(bytes.size()));
-    if (count > 0) {
-      bytes = bytes.subspan(static_cast<std::size_t>(count));
-      continue;
-    }
-    const Step step = self->step_after(count);
-    if (step == Step::finished || step == Step::broken || !co_await self->wait_for(step)) {
+    std::size_t count = 0;
+    const Step step = self->note(self->stream_.write(bytes, count));
+    if (step == Step::done) {
+      bytes = bytes.subspan(count);
+    } else if (sys::is_over(step) || !co_await self->wait_for(step)) {
       co_return false;
     }
   }
@@ -203,17 +196,16 @@ boost::asio::awaitable<bool> TlsClient::write_down(std::shared_ptr<TlsClient> se
 
 // The machine may take its last answers for sent once the kernel has all of them, and a FIN.
 boost::asio::awaitable<void> TlsClient::say_goodbye(std::shared_ptr<TlsClient> self) {
-  self->prepare_step();
-  while (self->socket_.is_open() && SSL_shutdown(self->ssl_.get()) < 0) {
-    const Step step = self->step_after(-1);
+  while (self->socket_.is_open()) {
+    const Step step = self->note(self->stream_.say_goodbye());
     if (step != Step::write_more || !co_await self->wait_for(step)) {
       break;
     }
   }
-  ERR_clear_error();
   error_code ignored;
   self->is_down_ended_ = true;
-  const bool has_client_ended = (SSL_get_shutdown(self->ssl_.get()) & SSL_RECEIVED_SHUTDOWN) != 0;
+  const bool has_client_ended =
+      (SSL_get_shutdown(&self->stream_.ssl()) & SSL_RECEIVED_SHUTDOWN) != 0;
   self->socket_.shutdown(tcp::socket::shutdown_send, ignored);
   self->pair_.shutdown(PairSocket::shutdown_send, ignored);
   if (has_client_ended || !self->socket_.is_open()) {
@@ -237,16 +229,16 @@ void TlsClient::end(const std::string& why) {
 }
 
 routing::ClientRole TlsClient::role() const {
-  const X509* const certificate = SSL_get0_peer_certificate(ssl_.get());
+  const X509* const certificate = SSL_get0_peer_certificate(&stream_.ssl());
   return certificate == nullptr ? routing::ClientRole{routing::ClientRole::Kind::unreadable, {}}
                                 : role_in(certificate);
 }
 
 std::optional<std::string> TlsClient::objection(const TlsContext& context) const {
-  X509* const certificate = SSL_get0_peer_certificate(ssl_.get());
+  X509* const certificate = SSL_get0_peer_certificate(&stream_.ssl());
   return certificate == nullptr
              ? std::optional<std::string>("no certificate")
-             : context.objection(certificate, SSL_get_peer_cert_chain(ssl_.get()));
+             : context.objection(certificate, SSL_get_peer_cert_chain(&stream_.ssl()));
 }
 
 }  // namespace mbgate::io

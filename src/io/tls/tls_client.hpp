@@ -20,9 +20,9 @@
 
 #include "bus/instant.hpp"
 #include "io/clients/hangup_watch.hpp"
-#include "io/tls/record_gate.hpp"
 #include "io/tls/tls_context.hpp"
-#include "io/unique_fd.hpp"
+#include "sys/tls_stream.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::io {
 
@@ -46,7 +46,7 @@ class TlsClient : public std::enable_shared_from_this<TlsClient> {
   /// After a handshake that failed: lets the client have the alert, and ends.
   static boost::asio::awaitable<void> drain_and_end(std::shared_ptr<TlsClient> self);
   /// After the handshake: the end of the pair that is for the machine; closed if there is none.
-  UniqueFd make_pair();
+  sys::UniqueFd make_pair();
   /// Carries on until both have ended.
   static boost::asio::awaitable<void> carry(std::shared_ptr<TlsClient> self);
   /// Carries to the machine what can be carried without waiting. How many bytes that were.
@@ -63,7 +63,7 @@ class TlsClient : public std::enable_shared_from_this<TlsClient> {
   [[nodiscard]] const std::string& complaint() const { return complaint_; }
 
  private:
-  enum class Step : std::uint8_t { done, read_more, write_more, again, finished, broken };
+  using Step = sys::TlsStream::Step;
 
   static boost::asio::awaitable<void> carry_up(std::shared_ptr<TlsClient> self);
   static boost::asio::awaitable<void> run_down(std::shared_ptr<TlsClient> self);
@@ -77,12 +77,8 @@ class TlsClient : public std::enable_shared_from_this<TlsClient> {
   void limit_handshake(boost::asio::steady_timer::time_point until, const char* why);
   /// All of its ClientHello, of which pieces do not count.
   [[nodiscard]] bool has_hello() const;
-  /// Before each call of OpenSSL that step_after() is asked about.
-  void prepare_step();
-  [[nodiscard]] Step step_after(int result);
-  /// After a call that would have to wait.
-  [[nodiscard]] Step step_to_wait(Step wish);
-  void note_error();
+  /// Remembers what there is to complain of.
+  Step note(Step step);
   Step read_up();
   bool hand_up();
 
@@ -90,8 +86,7 @@ class TlsClient : public std::enable_shared_from_this<TlsClient> {
   std::uint64_t key_;
   std::shared_ptr<TlsContext> context_;
   boost::asio::ip::tcp::socket socket_;
-  RecordGate records_;
-  SslHandle ssl_;
+  sys::TlsStream stream_;
   boost::asio::local::stream_protocol::socket pair_;
   boost::asio::steady_timer timer_;
   std::vector<std::uint8_t> up_;  ///< read from the client, not yet with the machine

@@ -7,8 +7,7 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <cerrno>
 
-#include "io/as_tuple.hpp"
-#include "io/clock.hpp"
+#include "io/supervise.hpp"
 #include "io/tls/tls_client.hpp"
 
 namespace mbgate::io {
@@ -35,8 +34,7 @@ boost::asio::awaitable<std::optional<std::string>> TlsClient::shake_hands(
     self->limit_handshake(begin + limits.timeout, kTookTooLong);
   }
   while (self->socket_.is_open()) {
-    self->prepare_step();
-    const Step step = self->step_after(SSL_do_handshake(self->ssl_.get()));
+    const Step step = self->note(self->stream_.shake_hands());
     if (!self->has_greeted_ && self->has_hello()) {
       self->has_greeted_ = true;
       self->limit_handshake(begin + limits.timeout, kTookTooLong);
@@ -46,7 +44,7 @@ boost::asio::awaitable<std::optional<std::string>> TlsClient::shake_hands(
       self->timer_.cancel();
       co_return std::nullopt;
     }
-    if (step == Step::finished || step == Step::broken || !co_await self->wait_for(step)) {
+    if (sys::is_over(step) || !co_await self->wait_for(step)) {
       break;
     }
   }
@@ -63,7 +61,7 @@ void TlsClient::limit_handshake(boost::asio::steady_timer::time_point until, con
 }
 
 bool TlsClient::has_hello() const {
-  const OSSL_HANDSHAKE_STATE state = SSL_get_state(ssl_.get());
+  const OSSL_HANDSHAKE_STATE state = SSL_get_state(&stream_.ssl());
   return state != TLS_ST_BEFORE && state != TLS_ST_SR_CLNT_HELLO;
 }
 
@@ -87,38 +85,17 @@ boost::asio::awaitable<void> TlsClient::drain_and_end(std::shared_ptr<TlsClient>
   self->end();
 }
 
-void TlsClient::prepare_step() {
-  ERR_clear_error();
-  records_.open();
-}
-
-TlsClient::Step TlsClient::step_after(int result) {
-  switch (SSL_get_error(ssl_.get(), result)) {
-    case SSL_ERROR_NONE: return Step::done;
-    case SSL_ERROR_WANT_READ: return step_to_wait(Step::again);
-    case SSL_ERROR_WANT_WRITE: return step_to_wait(Step::write_more);
-    case SSL_ERROR_ZERO_RETURN: return Step::finished;
-    case SSL_ERROR_SSL: note_error(); return Step::broken;
-    default: return Step::broken;
+TlsClient::Step TlsClient::note(Step step) {
+  if (step == Step::flooded) {
+    complaint_ = sys::TlsStream::kFlood;
+  } else if (step == Step::broken && ERR_peek_error() != 0) {
+    context_->forget_session_of(&stream_.ssl());
+    complaint_ = sys::take_openssl_error();
+    if (const long result = SSL_get_verify_result(&stream_.ssl()); result != X509_V_OK) {
+      complaint_ += std::string(": ") + X509_verify_cert_error_string(result);
+    }
   }
-}
-
-TlsClient::Step TlsClient::step_to_wait(Step wish) {
-  switch (records_.turn(now())) {
-    case RecordGate::Turn::again: return wish;
-    case RecordGate::Turn::wait: return wish == Step::again ? Step::read_more : wish;
-    case RecordGate::Turn::too_many: break;
-  }
-  complaint_ = RecordGate::kTooMany;
-  return Step::broken;
-}
-
-void TlsClient::note_error() {
-  context_->forget_session_of(ssl_.get());
-  complaint_ = take_openssl_error();
-  if (const long result = SSL_get_verify_result(ssl_.get()); result != X509_V_OK) {
-    complaint_ += std::string(": ") + X509_verify_cert_error_string(result);
-  }
+  return step;
 }
 
 boost::asio::awaitable<bool> TlsClient::wait_for(Step step) {

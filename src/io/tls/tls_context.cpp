@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -107,7 +108,7 @@ std::optional<std::string> TlsContext::take_trust(const gateway::TlsSettings& se
   }
   for (const auto& authority : trusted->authorities) {
     if (SSL_CTX_add_client_CA(context_.get(), authority.get()) != 1) {
-      return settings.authorities + ": " + take_openssl_error();
+      return settings.authorities + ": " + sys::take_openssl_error();
     }
   }
   contents_.authorities = fingerprints(trusted->authorities);
@@ -126,22 +127,23 @@ std::optional<TlsFailure> TlsContext::take_key(const std::string& signer, const 
   if (!client) {
     return TlsFailure{client.error().why, client.error().absent};
   }
-  const KeyHandle remote = remote_key(*std::move(client));
+  const sys::KeyHandle remote = remote_key(*std::move(client));
   if (!remote) {
     return TlsFailure{key + ": expected a key of RSA or EC"};
   }
   if (SSL_CTX_use_PrivateKey(context_.get(), remote.get()) != 1) {
-    return TlsFailure{key + ": it is not the key of the certificate (" + take_openssl_error() +
+    return TlsFailure{key + ": it is not the key of the certificate (" + sys::take_openssl_error() +
                       ")"};
   }
   return std::nullopt;
 }
 
 std::optional<std::string> TlsContext::objection(X509* certificate, STACK_OF(X509) * chain) const {
-  const std::unique_ptr<X509_STORE_CTX, FreeWith<X509_STORE_CTX_free>> check(X509_STORE_CTX_new());
+  const std::unique_ptr<X509_STORE_CTX, sys::FreeWith<X509_STORE_CTX_free>> check(
+      X509_STORE_CTX_new());
   X509_STORE* const store = SSL_CTX_get_cert_store(context_.get());
   if (!check || X509_STORE_CTX_init(check.get(), store, certificate, chain) != 1) {
-    return take_openssl_error();
+    return sys::take_openssl_error();
   }
   X509_STORE_CTX_set_default(check.get(), "ssl_client");
   X509_STORE_CTX_set_verify_cb(check.get(), accept_expired_list);
@@ -179,8 +181,8 @@ TlsContext& TlsContext::of(const SSL_CTX* context) {
 int TlsContext::session_made(SSL* ssl, SSL_SESSION* session) {
   STACK_OF(X509)* const chain = SSL_get_peer_cert_chain(ssl);
   of(SSL_get_SSL_CTX(ssl))
-      .sessions_.keep(SessionHandle(session),
-                      ChainHandle(chain == nullptr ? nullptr : X509_chain_up_ref(chain)));
+      .sessions_.keep(sys::SessionHandle(session),
+                      sys::ChainHandle(chain == nullptr ? nullptr : X509_chain_up_ref(chain)));
   return 1;  // the reference is ours
 }
 
@@ -233,18 +235,40 @@ std::string common_name_in(const X509* certificate) {
 }  // namespace
 
 routing::ClientRole role_in(const X509* certificate) {
-  static const std::unique_ptr<ASN1_OBJECT, FreeWith<ASN1_OBJECT_free>> kName(
-      OBJ_txt2obj(routing::kRoleExtension, 1));
-  std::vector<modbus::Bytes> values;
-  for (int at = X509_get_ext_by_OBJ(certificate, kName.get(), -1); at >= 0;
-       at = X509_get_ext_by_OBJ(certificate, kName.get(), at)) {
-    const ASN1_OCTET_STRING* const value = X509_EXTENSION_get_data(X509_get_ext(certificate, at));
-    values.emplace_back(ASN1_STRING_get0_data(value),
-                        static_cast<std::size_t>(ASN1_STRING_length(value)));
-  }
-  routing::ClientRole role = routing::role_of(values);
+  routing::ClientRole role =
+      routing::role_of(sys::extensions_of(*certificate, routing::kRoleExtension));
   role.certificate = common_name_in(certificate);
   return role;
+}
+
+std::string id_of(const SSL_SESSION* session) {
+  unsigned int size = 0;
+  const unsigned char* const id = SSL_SESSION_get_id(session, &size);
+  return {id, id + size};
+}
+
+void ResumableSessions::keep(sys::SessionHandle session, sys::ChainHandle chain) {
+  std::string id = id_of(session.get());
+  if (id.empty()) {
+    return;
+  }
+  forget(id);
+  if (kept_.size() >= most_) {
+    forget(std::string(kept_.front().id));
+  }
+  kept_.push_back({id, std::move(session), std::move(chain)});
+  by_id_[std::move(id)] = std::prev(kept_.end());
+}
+
+ResumableSessions::Kept* ResumableSessions::find(std::string_view id) {
+  const auto entry = by_id_.find(std::string(id));
+  return entry == by_id_.end() ? nullptr : &*entry->second;
+}
+
+void ResumableSessions::forget(std::string_view id) {
+  if (const auto entry = by_id_.extract(std::string(id))) {
+    kept_.erase(entry.mapped());
+  }
 }
 
 }  // namespace mbgate::io

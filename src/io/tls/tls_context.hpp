@@ -5,17 +5,48 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
+#include <list>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 
 #include "gateway/settings.hpp"
-#include "io/tls/openssl_handles.hpp"
-#include "io/tls/resumable_sessions.hpp"
 #include "modbus/result.hpp"
 #include "routing/client_role.hpp"
+#include "sys/openssl.hpp"
 
 namespace mbgate::io {
+
+// TLS sessions that their clients may resume (MB-TCP-Security v36, R-42). They are kept only here:
+// a client gets a number, no ticket. The oldest goes first.
+
+class ResumableSessions {
+ public:
+  struct Kept {
+    std::string id;
+    sys::SessionHandle session;
+    sys::ChainHandle chain;  ///< what the client has shown beside its own certificate
+  };
+
+  explicit ResumableSessions(std::size_t most) : most_(most) {}
+
+  void keep(sys::SessionHandle session, sys::ChainHandle chain);
+  /// nullptr if it is not known (any more).
+  [[nodiscard]] Kept* find(std::string_view id);
+  void forget(std::string_view id);
+  [[nodiscard]] std::size_t size() const { return kept_.size(); }
+
+ private:
+  std::size_t most_;
+  std::list<Kept> kept_;  ///< the oldest first
+  std::unordered_map<std::string, std::list<Kept>::iterator> by_id_;
+};
+
+/// The number of a session.
+std::string id_of(const SSL_SESSION* session);
 
 /// Why there is no context. `may_come`: another process is not there yet.
 struct TlsFailure {
@@ -47,7 +78,7 @@ class TlsContext {
   ~TlsContext();
 
   /// For one client.
-  [[nodiscard]] SslHandle new_ssl() const { return SslHandle(SSL_new(context_.get())); }
+  [[nodiscard]] sys::SslHandle new_ssl() const { return sys::SslHandle(SSL_new(context_.get())); }
   /// Why this certificate is not accepted now, by chain, dates and revocations; nothing: it is.
   /// `chain` may be nullptr.
   std::optional<std::string> objection(X509* certificate, STACK_OF(X509) * chain) const;
@@ -68,7 +99,7 @@ class TlsContext {
   static SSL_SESSION* session_wanted(SSL* ssl, const unsigned char* id, int size, int* copy);
   static void session_ended(SSL_CTX* context, SSL_SESSION* session);
 
-  ContextHandle context_;
+  sys::ContextHandle context_;
   ResumableSessions sessions_;
   TlsDates dates_{};
   TlsContents contents_{};

@@ -31,8 +31,8 @@ void TlsDoor::take(gateway::ListenerId number, const gateway::Settings& settings
     return;
   }
   const auto protocol = client.peer.protocol();
-  front_->take(
-      {place, UniqueFd(client.socket.release()), protocol, context->second, listener.handshakes});
+  front_->take({place, sys::UniqueFd(client.socket.release()), protocol, context->second,
+                listener.handshakes});
 }
 
 // Who may begin none has nobody else's place: the rates come first.

@@ -11,8 +11,8 @@
 
 #include "gateway/settings.hpp"
 #include "io/tls/tls_context.hpp"
-#include "io/unique_fd.hpp"
 #include "routing/client_role.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::io {
 
@@ -31,7 +31,7 @@ struct TlsPlace {
 /// A client that has connected.
 struct TlsCandidate {
   TlsPlace place;
-  UniqueFd socket;
+  sys::UniqueFd socket;
   boost::asio::ip::tcp protocol = boost::asio::ip::tcp::v4();
   std::shared_ptr<TlsContext> context;
   gateway::HandshakeSettings limits;
@@ -40,7 +40,7 @@ struct TlsCandidate {
 /// A client that has shaken hands.
 struct TlsArrival {
   TlsPlace place;
-  UniqueFd socket;  ///< the machine's end of the pair
+  sys::UniqueFd socket;  ///< the machine's end of the pair
   routing::ClientRole role;
   std::size_t bytes_waiting =
       0;  ///< what is to be read from it is as old as the process's last stop

@@ -25,10 +25,10 @@ Wrong use_key(SSL_CTX& context, const bus::TlsPeer& peer) {
   if (!signer) {
     return signer.error().why;
   }
-  const KeyHandle key = remote_key(*std::move(signer));
+  const sys::KeyHandle key = remote_key(*std::move(signer));
   if (!key || SSL_CTX_use_PrivateKey(&context, key.get()) != 1) {
-    return peer.key + ": it is not the key of " + peer.certificate + " (" + take_openssl_error() +
-           ")";
+    return peer.key + ": it is not the key of " + peer.certificate + " (" +
+           sys::take_openssl_error() + ")";
   }
   return std::nullopt;
 }
@@ -46,16 +46,16 @@ std::optional<std::string> expect_name(SSL& ssl, const std::string& name) {
   std::string told = name;
   if (!is_name || X509_VERIFY_PARAM_set1_host(wanted, name.c_str(), name.size()) != 1 ||
       SSL_ctrl(&ssl, SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name, told.data()) != 1) {
-    return "server_name: no certificate can be for such a name (" + take_openssl_error() + ")";
+    return "server_name: no certificate can be for such a name (" + sys::take_openssl_error() + ")";
   }
   return std::nullopt;
 }
 
-Result<SslHandle, std::string> make_peer(const bus::TlsPeer& peer) {
+Result<sys::SslHandle, std::string> make_peer(const bus::TlsPeer& peer) {
   MBGATE_ASSERT(kNoTidying == 1, "OpenSSL does not tidy up at the end");
-  const ContextHandle context(SSL_CTX_new(TLS_client_method()));
+  const sys::ContextHandle context(SSL_CTX_new(TLS_client_method()));
   if (!context || SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION) != 1) {
-    return take_openssl_error();
+    return sys::take_openssl_error();
   }
   SSL_CTX_set_mode(context.get(),
                    SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
@@ -72,9 +72,9 @@ Result<SslHandle, std::string> make_peer(const bus::TlsPeer& peer) {
   if (wrong) {
     return *std::move(wrong);
   }
-  SslHandle ssl(SSL_new(context.get()));
+  sys::SslHandle ssl(SSL_new(context.get()));
   if (!ssl) {
-    return take_openssl_error();
+    return sys::take_openssl_error();
   }
   wrong = expect_name(*ssl, peer.server_name);
   if (wrong) {

@@ -8,14 +8,14 @@
 #include <string>
 
 #include "bus/settings.hpp"
-#include "io/tls/openssl_handles.hpp"
 #include "modbus/result.hpp"
+#include "sys/openssl.hpp"
 
 namespace mbgate::io {
 
 /// TLS 1.2 or 1.3 with the server's certificate checked by authority, dates, revocations and name.
 /// The error is one line of text that names the file.
-Result<SslHandle, std::string> make_peer(const bus::TlsPeer& peer);
+Result<sys::SslHandle, std::string> make_peer(const bus::TlsPeer& peer);
 
 /// The server's certificate must be for this name, or this address. Why that cannot be checked;
 /// nothing: it will be.

@@ -1,24 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/uplink/tls_uplink.hpp"
 
-#include <linux/sockios.h>
-#include <poll.h>
-#include <sys/ioctl.h>
 #include <sys/socket.h>
 
 #include <array>
-#include <cerrno>
+#include <chrono>
 #include <mutex>
 #include <optional>
-#include <span>
 #include <system_error>
 #include <thread>
 #include <utility>
 
 #include "io/blocking_calls.hpp"
-#include "io/clock.hpp"
-#include "io/tls/record_gate.hpp"
 #include "io/uplink/peer_context.hpp"
+#include "sys/tls_pump.hpp"
 
 namespace mbgate::io {
 
@@ -30,242 +25,69 @@ struct TlsUplink::Shared {
 namespace {
 
 /// A server that does not take a frame for so long is given up, as by a line without TLS.
-constexpr int kTakeMilliseconds = 1000;
+constexpr std::chrono::milliseconds kTakeTime{1000};
 
-/// Bytes on their way in one direction.
-struct Portion {
-  std::array<std::uint8_t, 2048> bytes{};
-  std::size_t begin = 0;
-  std::size_t end = 0;
-
-  [[nodiscard]] bool is_empty() const { return begin == end; }
-  [[nodiscard]] std::span<const std::uint8_t> left() const {
-    return std::span(bytes).subspan(begin, end - begin);
+/// Why the stream came to its end; empty: the server closed it.
+std::string why_over(const sys::TlsStream& stream, sys::TlsStream::Step step) {
+  if (step == sys::TlsStream::Step::closed || stream.is_cut()) {
+    return {};
   }
-};
-
-enum class Move { done, must_wait, ended };
-
-class UplinkPump {
- public:
-  UplinkPump(SSL& ssl, int server, int line, std::string server_name)
-      : ssl_(ssl), server_(server), line_(line), server_name_(std::move(server_name)) {
-    records_.watch(ssl);
+  if (step == sys::TlsStream::Step::flooded) {
+    return std::string("TLS: the server sends ") + sys::TlsStream::kFlood;
   }
+  return stream.system_error() != 0 ? std::generic_category().message(stream.system_error())
+                                    : "TLS: " + sys::take_openssl_error();
+}
 
-  /// Why it ended; empty: the line or the server closed it.
-  std::string run() {
-    if (shake_hands()) {
-      carry();
-    }
-    return std::move(why_);
-  }
-
-  [[nodiscard]] bool has_line_gone() const { return has_line_gone_; }
-  /// Do we, or does the kernel, hold what the server has not taken?
-  [[nodiscard]] bool has_unsent() const {
-    int unacknowledged = 0;
-    return !up_.is_empty() ||
-           (::ioctl(server_, SIOCOUTQ, &unacknowledged) == 0 && unacknowledged > 0);
-  }
-
- private:
-  bool shake_hands() {
-    for (;;) {
-      prepare();
-      events_ = 0;
-      const int result = SSL_connect(&ssl_);
-      if (result == 1) {
-        return ::send(line_, &TlsUplink::kReady, 1, MSG_DONTWAIT | MSG_NOSIGNAL) == 1;
-      }
-      const Move move = ask(result);
-      if (move == Move::ended) {
-        note_handshake_failure();
-        return false;
-      }
-      if (move == Move::must_wait && !wait()) {
-        return false;
-      }
-    }
-  }
-
-  void carry() {
-    for (;;) {
-      events_ = 0;
-      const Move down = carry_down();
-      const Move up = down == Move::ended ? down : carry_up();
-      if (up == Move::ended || down == Move::ended) {
-        return;
-      }
-      if (up == Move::must_wait && down == Move::must_wait && !wait_to_carry()) {
-        return;
-      }
-    }
-  }
-
-  Move carry_up() {
-    if (up_.is_empty()) {
-      const ssize_t count = ::recv(line_, up_.bytes.data(), up_.bytes.size(), MSG_DONTWAIT);
-      if (count < 0 && (errno == EAGAIN || errno == EINTR)) {
-        return Move::must_wait;
-      }
-      if (count <= 0 || is_line_closed()) {
-        has_line_gone_ = true;
-        return Move::ended;
-      }
-      up_.begin = 0;
-      up_.end = static_cast<std::size_t>(count);
-    }
-    const auto left = up_.left();
-    prepare();
-    const int count = SSL_write(&ssl_, left.data(), static_cast<int>(left.size()));
-    if (count > 0) {
-      up_.begin += static_cast<std::size_t>(count);
-      return Move::done;
-    }
-    const Move move = ask(count);
-    if (move == Move::ended && down_.is_empty()) {
-      carry_down();  // an alert says more than that the server does not listen any more
-    }
-    return move;
-  }
-
-  Move carry_down() {
-    if (down_.is_empty()) {
-      prepare();
-      const int count = SSL_read(&ssl_, down_.bytes.data(), static_cast<int>(down_.bytes.size()));
-      if (count <= 0) {
-        return ask(count);
-      }
-      down_.begin = 0;
-      down_.end = static_cast<std::size_t>(count);
-    }
-    const auto left = down_.left();
-    const ssize_t count = ::send(line_, left.data(), left.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-    if (count < 0) {
-      has_line_gone_ = errno != EAGAIN && errno != EINTR;
-      return has_line_gone_ ? Move::ended : Move::must_wait;
-    }
-    down_.begin += static_cast<std::size_t>(count);
-    return Move::done;
-  }
-
-  void prepare() {
-    ERR_clear_error();
-    records_.open();
-  }
-
-  Move ask(int result) {
-    const int system_error = errno;
-    const int wish = SSL_get_error(&ssl_, result);
-    if (wish == SSL_ERROR_WANT_READ || wish == SSL_ERROR_WANT_WRITE) {
-      return ask_for(wish == SSL_ERROR_WANT_READ ? POLLIN : POLLOUT);
-    }
-    const bool closed = wish == SSL_ERROR_ZERO_RETURN || is_unexpected_end();
-    if (wish == SSL_ERROR_SYSCALL && system_error != 0 && ERR_peek_error() == 0) {
-      why_ = std::generic_category().message(system_error);
-    } else if (!closed) {
-      why_ = "TLS: " + take_openssl_error();
-    }
-    ERR_clear_error();
-    return Move::ended;
-  }
-
-  /// There may be more records, of which the socket says nothing: `done` is to try again.
-  Move ask_for(short events) {
-    const RecordGate::Turn turn = records_.turn(now());
-    if (turn == RecordGate::Turn::too_many) {
-      why_ = std::string("TLS: the server sends ") + RecordGate::kTooMany;
-      return Move::ended;
-    }
-    events_ = static_cast<short>(events_ | events);
-    return turn == RecordGate::Turn::again && events == POLLIN ? Move::done : Move::must_wait;
-  }
-
-  static bool is_unexpected_end() {
-    const unsigned long error = ERR_peek_last_error();
-    return error == 0 || ERR_GET_REASON(error) == SSL_R_UNEXPECTED_EOF_WHILE_READING;
-  }
-
-  void note_handshake_failure() {
-    if (auto objection = objection_to_peer(ssl_, server_name_); !objection.empty()) {
-      why_ = std::move(objection);
-    } else if (why_.empty()) {
-      why_ = "the server closed the connection during the TLS handshake";
-    }
-  }
-
-  [[nodiscard]] bool is_line_closed() const {
-    pollfd line{line_, 0, 0};
-    return ::poll(&line, 1, 0) > 0 && (line.revents & POLLHUP) != 0;
-  }
-
-  /// For the server; false: the line has closed its end.
-  bool wait() {
-    std::array<pollfd, 2> watched{pollfd{server_, events_, 0}, pollfd{line_, 0, 0}};
-    ::poll(watched.data(), watched.size(), -1);
-    has_line_gone_ = (watched[1].revents & POLLHUP) != 0;
-    return !has_line_gone_;
-  }
-
-  /// Either for the server, or for the line.
-  bool wait_to_carry() {
-    const bool sending = !up_.is_empty();
-    const auto line = static_cast<short>((sending ? 0 : POLLIN) | (down_.is_empty() ? 0 : POLLOUT));
-    std::array<pollfd, 2> watched{pollfd{server_, events_, 0}, pollfd{line_, line, 0}};
-    const int ready = ::poll(watched.data(), watched.size(), sending ? kTakeMilliseconds : -1);
-    if (ready == 0) {
-      why_ = "the far end does not take a frame in time";
-      has_line_gone_ = true;
-    } else if ((watched[1].revents & POLLHUP) != 0) {
-      has_line_gone_ = true;
-    }
-    return !has_line_gone_;
-  }
-
-  RecordGate records_;
-  SSL& ssl_;
-  int server_;
-  int line_;
-  std::string server_name_;
-  short events_ = 0;  ///< that the server is waited for
-  bool has_line_gone_ = false;
-  Portion up_;
-  Portion down_;
-  std::string why_;
-};
+std::string why_not_begun(const sys::TlsStream& stream, sys::TlsStream::Step step,
+                          const std::string& server_name) {
+  std::string why = objection_to_peer(stream.ssl(), server_name);
+  why = why.empty() ? why_over(stream, step) : why;
+  return why.empty() ? "the server closed the connection during the TLS handshake" : why;
+}
 
 std::string run_uplink(int server, int line, const bus::TlsPeer& peer) {
-  const auto ssl = make_peer(peer);
+  using End = sys::TlsPump::End;
+  auto ssl = make_peer(peer);
   if (!ssl) {
     return ssl.error();
   }
-  if (SSL_set_fd(ssl->get(), server) != 1) {
-    return take_openssl_error();
+  SSL_set_connect_state(ssl->get());
+  sys::TlsStream stream(*std::move(ssl), server);
+  sys::TlsPump pump(stream, server, line);
+  std::string why;
+  End end = pump.shake_hands(std::nullopt);
+  if (end == End::stream) {
+    return why_not_begun(stream, pump.last_step(), peer.server_name);
   }
-  UplinkPump pump(**ssl, server, line, peer.server_name);
-  std::string why = pump.run();
-  if (pump.has_line_gone() && pump.has_unsent()) {
+  if (end == End::none) {
+    const bool told = ::send(line, &TlsUplink::kReady, 1, MSG_DONTWAIT | MSG_NOSIGNAL) == 1;
+    end = told ? pump.carry(kTakeTime) : End::plain;
+  }
+  if (end == End::stream) {
+    return why_over(stream, pump.last_step());
+  }
+  if (pump.has_unsent()) {
     const linger reset{1, 0};  // throws it away
     ::setsockopt(server, SOL_SOCKET, SO_LINGER, &reset, sizeof reset);
-  } else if (pump.has_line_gone()) {
-    SSL_shutdown(ssl->get());
+  } else {
+    stream.say_goodbye();
   }
-  return why;
+  return end == End::late ? "the far end does not take a frame in time" : "";
 }
 
 }  // namespace
 
-TlsUplink::TlsUplink(std::shared_ptr<Shared> shared, UniqueFd line_end)
+TlsUplink::TlsUplink(std::shared_ptr<Shared> shared, sys::UniqueFd line_end)
     : shared_(std::move(shared)), line_end_(std::move(line_end)) {}
 
-std::unique_ptr<TlsUplink> TlsUplink::start(UniqueFd server, bus::TlsPeer peer) {
+std::unique_ptr<TlsUplink> TlsUplink::start(sys::UniqueFd server, bus::TlsPeer peer) {
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends.data()) != 0) {
     return nullptr;
   }
-  UniqueFd line_end(ends[0]);
-  UniqueFd our_end(ends[1]);
+  sys::UniqueFd line_end(ends[0]);
+  sys::UniqueFd our_end(ends[1]);
   auto shared = std::make_shared<Shared>();
   try {
     std::thread([shared, server = std::move(server), our_end = std::move(our_end),

@@ -14,7 +14,7 @@
 #include <string>
 
 #include "bus/settings.hpp"
-#include "io/unique_fd.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::io {
 
@@ -23,24 +23,24 @@ class TlsUplink {
   static constexpr std::uint8_t kReady = 0x01;
 
   /// `server` is connected. Nothing if there can be no thread or no pair of sockets.
-  static std::unique_ptr<TlsUplink> start(UniqueFd server, bus::TlsPeer peer);
+  static std::unique_ptr<TlsUplink> start(sys::UniqueFd server, bus::TlsPeer peer);
   TlsUplink(const TlsUplink&) = delete;
   TlsUplink& operator=(const TlsUplink&) = delete;
   /// Does not wait; the thread ends by itself as soon as the line's end is closed.
   ~TlsUplink() = default;
 
   /// The line's end of the pair; the caller's from then on. It does not block.
-  [[nodiscard]] UniqueFd take_line_end() { return std::move(line_end_); }
+  [[nodiscard]] sys::UniqueFd take_line_end() { return std::move(line_end_); }
 
   /// Why the pair has come to its end; empty: it has not, or the server has closed the connection.
   [[nodiscard]] std::string why() const;
 
  private:
   struct Shared;
-  TlsUplink(std::shared_ptr<Shared> shared, UniqueFd line_end);
+  TlsUplink(std::shared_ptr<Shared> shared, sys::UniqueFd line_end);
 
   std::shared_ptr<Shared> shared_;
-  UniqueFd line_end_;
+  sys::UniqueFd line_end_;
 };
 
 }  // namespace mbgate::io

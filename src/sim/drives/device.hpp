@@ -13,7 +13,7 @@
 #include "sim/drives/fda6000_drive.hpp"
 #include "sim/drives/moons_drive.hpp"
 #include "sim/drives/stepper_drive.hpp"
-#include "sim/wire/framing.hpp"
+#include "sim/wire/request_framer.hpp"
 
 namespace mbgate::sim {
 

@@ -6,7 +6,6 @@
 #pragma once
 
 #include "sim/drives/maps/fda6000_map.hpp"
-#include "sim/drives/reaction.hpp"
 #include "sim/drives/register_service.hpp"
 
 namespace mbgate::sim {

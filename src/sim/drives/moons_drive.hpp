@@ -6,7 +6,6 @@
 
 #include "drive/word_order.hpp"
 #include "sim/drives/maps/moons_map.hpp"
-#include "sim/drives/reaction.hpp"
 #include "sim/drives/register_service.hpp"
 
 namespace mbgate::sim {

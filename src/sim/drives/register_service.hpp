@@ -4,11 +4,26 @@
 // commands.
 #pragma once
 
+#include <optional>
+
+#include "modbus/pdu.hpp"
 #include "modbus/request.hpp"
-#include "sim/drives/reaction.hpp"
+#include "modbus/rtu_timing.hpp"
 #include "sim/drives/register_bank.hpp"
 
 namespace mbgate::sim {
+
+// What a drive does about a request that it has received.
+
+using modbus::Duration;
+
+struct Reaction {
+  std::optional<modbus::Pdu> response;  ///< nothing: the drive does not answer
+  Duration delay{0};                    ///< what the work takes, besides the usual processing time
+  Duration deaf_for{0};                 ///< it restarts and receives nothing for this long
+  Duration busy_for{
+      0};  ///< after this answer it refuses everything with exception 06 for this long
+};
 
 /// May also be a maker's own code, which modbus::ExceptionCode does not name.
 using ExceptionByte = std::uint8_t;

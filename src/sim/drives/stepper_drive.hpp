@@ -5,7 +5,6 @@
 #pragma once
 
 #include "sim/drives/maps/stepper_map.hpp"
-#include "sim/drives/reaction.hpp"
 #include "sim/drives/register_service.hpp"
 
 namespace mbgate::sim {

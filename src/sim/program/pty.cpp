@@ -2,13 +2,14 @@
 #include "sim/program/pty.hpp"
 
 #include <fcntl.h>
-#include <sys/ioctl.h>
 
 #include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <optional>
 #include <system_error>
+
+#include "sys/tty.hpp"
 
 namespace mbgate::sim {
 namespace {
@@ -47,17 +48,24 @@ std::optional<std::string> make_link(const fs::path& link, const std::string& ta
   return std::nullopt;
 }
 
+bool make_raw(int port, PtySpeed speed) {
+  sys::TtyMode mode;
+  mode.baud = static_cast<std::uint32_t>(speed.baud);
+  mode.stop_bits = speed.stop_bits;
+  return sys::set_tty_mode(port, mode).has_value();
+}
+
 }  // namespace
 
 Result<Pty, std::string> Pty::open(const fs::path& link, PtySpeed speed) {
-  FileDescriptor controller(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  sys::UniqueFd controller(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   std::array<char, 64> path{};
   if (controller.get() < 0 || ::grantpt(controller.get()) != 0 ||
       ::unlockpt(controller.get()) != 0 ||
       ::ptsname_r(controller.get(), path.data(), path.size()) != 0) {
     return "no pty for " + link.string() + ": " + reason();
   }
-  FileDescriptor port(::open(path.data(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+  sys::UniqueFd port(::open(path.data(), O_RDWR | O_NOCTTY | O_CLOEXEC));
   if (port.get() < 0 || !make_raw(port.get(), speed)) {
     return std::string(path.data()) + ": " + reason();
   }
@@ -67,7 +75,7 @@ Result<Pty, std::string> Pty::open(const fs::path& link, PtySpeed speed) {
   return Pty(std::move(controller), std::move(port), path.data(), link);
 }
 
-Pty::Pty(FileDescriptor controller, FileDescriptor port, std::string path, fs::path link)
+Pty::Pty(sys::UniqueFd controller, sys::UniqueFd port, std::string path, fs::path link)
     : controller_(std::move(controller)),
       port_(std::move(port)),
       path_(std::move(path)),
@@ -105,6 +113,11 @@ void Pty::write(modbus::Bytes bytes) const {
   }
 }
 
-void Pty::release_exclusive() const { ::ioctl(port_.get(), TIOCNXCL); }
+std::optional<PtySpeed> Pty::speed() const {
+  const auto mode = sys::tty_mode(port_.get());
+  return mode ? std::optional(PtySpeed{modbus::Baud{mode->baud}, mode->stop_bits}) : std::nullopt;
+}
+
+void Pty::release_exclusive() const { sys::release_tty(port_.get()); }
 
 }  // namespace mbgate::sim

@@ -11,10 +11,16 @@
 
 #include "modbus/bytes.hpp"
 #include "modbus/result.hpp"
-#include "sim/program/file_descriptor.hpp"
-#include "sim/program/pty_mode.hpp"
+#include "modbus/rtu_timing.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::sim {
+
+/// Linux keeps neither parity nor data bits of a pty.
+struct PtySpeed {
+  modbus::Baud baud{115200};
+  unsigned stop_bits = 1;
+};
 
 class Pty {
  public:
@@ -35,7 +41,7 @@ class Pty {
   [[nodiscard]] const std::string& path() const { return path_; }
 
   /// The speed that the other side has set; nothing if the system does not say.
-  [[nodiscard]] std::optional<PtySpeed> speed() const { return speed_of(port_.get()); }
+  [[nodiscard]] std::optional<PtySpeed> speed() const;
   /// What the other side has written since the last call; never blocks.
   [[nodiscard]] std::vector<std::uint8_t> read() const;
   /// If nobody reads and the pty is full, the bytes are lost, as on a serial line.
@@ -45,10 +51,10 @@ class Pty {
   void release_exclusive() const;
 
  private:
-  Pty(FileDescriptor controller, FileDescriptor port, std::string path, std::filesystem::path link);
+  Pty(sys::UniqueFd controller, sys::UniqueFd port, std::string path, std::filesystem::path link);
 
-  FileDescriptor controller_;
-  FileDescriptor port_;  ///< held open, so that a client's close is not a hang-up for us
+  sys::UniqueFd controller_;
+  sys::UniqueFd port_;  ///< held open, so that a client's close is not a hang-up for us
   std::string path_;
   std::filesystem::path link_;
 };

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "config/diagnostic.hpp"
-#include "sim/program/listen_address.hpp"
+#include "sim/program/tcp_port.hpp"
 #include "sim/wire/wire.hpp"
 
 namespace mbgate::sim {

@@ -8,10 +8,9 @@
 #include <variant>
 #include <vector>
 
-#include "sim/program/file_descriptor.hpp"
 #include "sim/program/live_bus.hpp"
-#include "sim/program/live_tcp_bus.hpp"
 #include "sim/program/settings.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::sim {
 
@@ -43,8 +42,8 @@ class Simulator {
   std::vector<AnyBus> buses_;
   std::ostream& output_;
   std::ostream& errors_;
-  FileDescriptor signals_;
-  FileDescriptor timer_;
+  sys::UniqueFd signals_;
+  sys::UniqueFd timer_;
   std::optional<Instant> armed_for_;
   std::optional<Instant> reopen_at_;
   Instant release_at_{};

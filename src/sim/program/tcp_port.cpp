@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <system_error>
 #include <utility>
 
@@ -64,7 +65,7 @@ void send_or_shut(int socket, modbus::Bytes bytes) {
 
 Result<TcpPort, std::string> TcpPort::open(const ListenAddress& address,
                                            std::size_t most_connections) {
-  FileDescriptor listener(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  sys::UniqueFd listener(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!listen_at(listener.get(), address)) {
     return "cannot listen on " + address.text() + ": " + std::generic_category().message(errno);
   }
@@ -72,7 +73,7 @@ Result<TcpPort, std::string> TcpPort::open(const ListenAddress& address,
   return TcpPort(std::move(listener), bound, most_connections);
 }
 
-TcpPort::TcpPort(FileDescriptor listener, ListenAddress address, std::size_t most_connections)
+TcpPort::TcpPort(sys::UniqueFd listener, ListenAddress address, std::size_t most_connections)
     : listener_(std::move(listener)),
       address_(std::move(address)),
       most_connections_(most_connections) {}
@@ -88,7 +89,7 @@ std::vector<int> TcpPort::descriptors() const {
 // Who has gone is noticed before somebody new is let in.
 std::vector<TcpPort::Received> TcpPort::receive() {
   std::vector<Received> all;
-  const auto read_from = [&all](ConnectionId connection, const FileDescriptor& socket) {
+  const auto read_from = [&all](ConnectionId connection, const sys::UniqueFd& socket) {
     Received received{connection, {}, false};
     received.closed = !read_all(socket.get(), received.bytes);
     if (received.closed || !received.bytes.empty()) {
@@ -109,7 +110,7 @@ std::vector<TcpPort::Received> TcpPort::receive() {
 
 void TcpPort::accept() {
   for (;;) {
-    FileDescriptor socket(
+    sys::UniqueFd socket(
         ::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
     if (socket.get() < 0) {
       return;
@@ -132,6 +133,21 @@ void TcpPort::send(modbus::Bytes bytes) {
   for (const auto& [connection, socket] : connections_) {
     send_or_shut(socket.get(), bytes);
   }
+}
+
+std::optional<ListenAddress> ListenAddress::parse(std::string_view text) {
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string_view::npos) {
+    return std::nullopt;
+  }
+  ListenAddress address{std::string(text.substr(0, colon))};
+  const std::string_view port = text.substr(colon + 1);
+  const char* const end = port.data() + port.size();
+  const auto number = std::from_chars(port.data(), end, address.port);
+  in_addr unused{};
+  const bool valid = number.ec == std::errc{} && number.ptr == end &&
+                     ::inet_pton(AF_INET, address.host.c_str(), &unused) == 1;
+  return valid ? std::optional(address) : std::nullopt;
 }
 
 }  // namespace mbgate::sim

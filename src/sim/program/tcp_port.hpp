@@ -4,16 +4,28 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "modbus/bytes.hpp"
 #include "modbus/result.hpp"
-#include "sim/program/file_descriptor.hpp"
-#include "sim/program/listen_address.hpp"
 #include "sim/wire/tcp_bus.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::sim {
+
+// Where a simulated bus listens: an IPv4 address and a port, "127.0.0.1:1502".
+
+struct ListenAddress {
+  std::string host = "127.0.0.1";
+  std::uint16_t port = 0;  ///< 0: the kernel chooses
+
+  static std::optional<ListenAddress> parse(std::string_view text);
+  [[nodiscard]] std::string text() const { return host + ':' + std::to_string(port); }
+  friend bool operator==(const ListenAddress&, const ListenAddress&) = default;
+};
 
 class TcpPort {
  public:
@@ -42,13 +54,13 @@ class TcpPort {
   void close(ConnectionId connection) { connections_.erase(connection); }
 
  private:
-  TcpPort(FileDescriptor listener, ListenAddress address, std::size_t most_connections);
+  TcpPort(sys::UniqueFd listener, ListenAddress address, std::size_t most_connections);
   void accept();
 
-  FileDescriptor listener_;
+  sys::UniqueFd listener_;
   ListenAddress address_;
   std::size_t most_connections_;
-  std::map<ConnectionId, FileDescriptor> connections_;
+  std::map<ConnectionId, sys::UniqueFd> connections_;
   ConnectionId next_ = 1;
 };
 

@@ -81,4 +81,46 @@ std::optional<Instant> RequestFramer::deadline() const {
   return bytes_.empty() ? std::nullopt : std::optional(last_ + silence_);
 }
 
+FrameBytes encode_frame(Framing framing, std::uint8_t address, const modbus::Pdu& pdu) {
+  if (framing == Framing::ascii) {
+    return modbus::encode_ascii(address, pdu);
+  }
+  const modbus::RtuBytes frame = modbus::encode_rtu(address, pdu);
+  return {frame.begin(), frame.end()};
+}
+
+std::optional<modbus::RtuAdu> decode_frame(Framing framing, modbus::Bytes frame) {
+  return framing == Framing::ascii ? modbus::decode_ascii(frame) : modbus::decode_rtu(frame);
+}
+
+void spoil_check(Framing framing, FrameBytes& frame) {
+  if (framing == Framing::rtu) {
+    frame.back() = static_cast<std::uint8_t>(~frame.back());
+    return;
+  }
+  std::uint8_t& digit = frame[frame.size() - 3];  // before CR LF
+  digit = digit == '0' ? '1' : '0';
+}
+
+std::optional<AsciiFrame> AsciiFramer::feed(std::uint8_t character, bus::Instant begin,
+                                            bus::Instant end) {
+  std::optional<AsciiFrame> ended;
+  const bool given_up = !frame_.bytes.empty() && (character == modbus::kAsciiStart ||
+                                                  begin - frame_.end > kAsciiCharacterTimeout);
+  if (given_up) {
+    ended = std::exchange(frame_, {});
+  }
+  if (character == modbus::kAsciiStart) {
+    frame_.begin = begin;
+  } else if (frame_.bytes.empty()) {
+    return ended;
+  }
+  frame_.bytes.push_back(character);
+  frame_.end = end;
+  if (character == modbus::kAsciiEnd || frame_.bytes.size() > modbus::kMaxAsciiSize) {
+    ended = std::exchange(frame_, {});
+  }
+  return ended;
+}
+
 }  // namespace mbgate::sim

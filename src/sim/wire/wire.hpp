@@ -22,7 +22,7 @@
 #include "bus/instant.hpp"
 #include "modbus/rtu_timing.hpp"
 #include "sim/drives/device.hpp"
-#include "sim/wire/ascii_framer.hpp"
+#include "sim/wire/request_framer.hpp"
 
 namespace mbgate::sim {
 

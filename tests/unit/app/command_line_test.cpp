@@ -6,8 +6,6 @@
 
 #include <vector>
 
-#include "app/serial_options.hpp"
-
 namespace mbgate::app {
 namespace {
 

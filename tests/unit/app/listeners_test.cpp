@@ -76,8 +76,8 @@ class ListenersTest : public testing::Test {
     tcp::acceptor acceptor;
   };
   boost::asio::io_context context_;
-  io::UniqueFd read_end_;
-  io::UniqueFd write_end_;
+  sys::UniqueFd read_end_;
+  sys::UniqueFd write_end_;
   std::optional<Log> log_;
   std::deque<io::ListenFailure> failures_;
   std::vector<Taken> taken_;
@@ -132,6 +132,7 @@ TEST_F(ListenersTest, DoNotBeginWithAPortThatIsTaken) {
   EXPECT_FALSE(
       listeners.begin({listener_at("lan", kNobodys), listener_at("plant", "127.0.0.1")}, {}));
   EXPECT_EQ(written(), "error: in use\n");
+  EXPECT_FALSE(listeners.is_denied());
 }
 
 TEST_F(ListenersTest, TryNoMoreOnceStopped) {
@@ -227,7 +228,7 @@ class ListenersReloadInherited : public ListenersReload {
   }
   std::vector<InheritedSocket> inherited() override {
     std::vector<InheritedSocket> sockets;
-    sockets.push_back({"plant", io::UniqueFd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0))});
+    sockets.push_back({"plant", sys::UniqueFd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0))});
     EXPECT_EQ(::listen(sockets[0].fd.get(), 1), 0);
     return sockets;
   }
@@ -259,7 +260,7 @@ TEST_F(ListenersReloadInherited, HasNoneForAListenerThatComesBack) {
 }
 
 bool give_address(std::string_view interface, const char* address) {
-  const io::UniqueFd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  const sys::UniqueFd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   ifreq request{};
   std::ranges::copy(interface, request.ifr_name);
   sockaddr_in wanted{};

@@ -10,7 +10,7 @@
 #include <csignal>
 #include <future>
 
-#include "io/unique_fd.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::app {
 namespace {
@@ -34,8 +34,8 @@ class LogTest : public testing::Test {
     return text;
   }
 
-  io::UniqueFd read_end_;
-  io::UniqueFd write_end_;
+  sys::UniqueFd read_end_;
+  sys::UniqueFd write_end_;
 };
 
 TEST(LogLine, BeginsWithAWordForPeople) {

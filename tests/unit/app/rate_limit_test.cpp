@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/rate_limit.hpp"
-
 #include <gtest/gtest.h>
+
+#include "app/log.hpp"
 
 namespace mbgate::app {
 namespace {

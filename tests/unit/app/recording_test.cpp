@@ -54,12 +54,11 @@ TEST(RecordedFiles, HavePathsThatHoldInEveryFolder) {
 }
 
 TEST_F(RecordingTest, OfTheServiceHasAPlaceOfItsOwn) {
-  EXPECT_EQ(recording_failure("/srv/plant/a.rec", EROFS, io::Starter::systemd),
-            "cannot create the recording /srv/plant/a.rec: Read-only file system; the service may "
-            "not write there: a FILE without a folder goes to its state directory, "
-            "/var/lib/mbgate; or run \"systemctl edit mbgated\", paste the two lines "
-            "\"[Service]\" and \"ReadWritePaths=/srv/plant\", then run \"systemctl restart "
-            "mbgated\"");
+  EXPECT_EQ(recording_failure("/srv/plant/a.rec", EROFS),
+            "cannot create the recording /srv/plant/a.rec: Read-only file system; the user that "
+            "mbgated runs as must be able to write into /srv/plant (of the service: "
+            "ReadWritePaths=), or name a FILE without a folder, which goes to the state directory, "
+            "/var/lib/mbgate");
 }
 
 TEST_F(RecordingTest, NamesTheFileThatCannotBeMade) {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/serial_options.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "app/command_line.hpp"
 #include "config/load.hpp"
 
 namespace mbgate::app {

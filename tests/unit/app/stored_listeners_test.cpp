@@ -27,7 +27,7 @@ class ListenersStored : public testing::Test {
   StoredSockets stored() {
     return StoredSockets(
         [this](const std::string& name, int socket) {
-          copies_.push_back({name, io::UniqueFd(::dup(socket))});
+          copies_.push_back({name, sys::UniqueFd(::dup(socket))});
           return true;
         },
         [this](const std::string& name) { removed_.push_back(name); });

@@ -30,8 +30,8 @@ class StoredSocketsTest : public testing::Test {
           std::erase_if(kept_, [&](const InheritedSocket& it) { return it.name == name; });
         });
   }
-  static io::UniqueFd copy_of(int socket) {
-    return io::UniqueFd(::fcntl(socket, F_DUPFD_CLOEXEC, 0));
+  static sys::UniqueFd copy_of(int socket) {
+    return sys::UniqueFd(::fcntl(socket, F_DUPFD_CLOEXEC, 0));
   }
   /// Binds a listener of its own address.
   tcp::acceptor bind(gateway::ListenerSettings& listener) {
@@ -85,7 +85,7 @@ TEST_F(StoredSocketsTest, AreClaimedByTheNextProcess) {
   first.let_go();
   auto sockets = handed_over();
   sockets.push_back({name_of(plant), copy_of(sockets[0].fd.get())});
-  sockets.push_back({"office", io::UniqueFd()});
+  sockets.push_back({"office", sys::UniqueFd()});
   auto next = make();
   next.take(sockets, {plant});
   ASSERT_EQ(sockets.size(), 1U);

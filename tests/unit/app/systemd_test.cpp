@@ -41,7 +41,7 @@ class SystemdTest : public testing::Test {
   }
 
   std::filesystem::path path_;
-  io::UniqueFd socket_{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+  sys::UniqueFd socket_{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
 };
 
 TEST_F(SystemdTest, HearsThatTheServiceIsReady) {
@@ -79,7 +79,7 @@ TEST_F(SystemdTest, HearsWhichSocketsItShallKeep) {
 }
 
 TEST(StoringSockets, IsInVainWithoutSystemd) {
-  const io::UniqueFd socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  const sys::UniqueFd socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
   EXPECT_FALSE(store_socket("plant", socket.get()));
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/utf8.hpp"
-
 #include <gtest/gtest.h>
+
+#include "app/text.hpp"
 
 namespace mbgate::app {
 namespace {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/watchdog.hpp"
-
 #include <gtest/gtest.h>
 
 #include <optional>
 
+#include "app/systemd.hpp"
 #include "unit/io/run_until.hpp"
 
 namespace mbgate::app {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where the keys stand that deny requests.
-#include "config/key_places.hpp"
-
 #include <gtest/gtest.h>
 
+#include "config/diagnostic.hpp"
 #include "config/load.hpp"
 
 namespace mbgate::config {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "config/needs.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "config/check_summary.hpp"
 
 namespace mbgate::config {
 namespace {

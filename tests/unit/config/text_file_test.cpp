@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A configuration of several files: which are read, in which order, and what they say together.
+
 #include "config/text_file.hpp"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/boot_timer.hpp"
 
 #include <gtest/gtest.h>
 

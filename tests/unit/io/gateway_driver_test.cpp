@@ -11,7 +11,7 @@
 #include "io/clients/listening_socket.hpp"
 #include "run_until.hpp"
 #include "unit/io/clients/socket_pair.hpp"
-#include "unit/io/lines/pseudo_terminal.hpp"
+#include "unit/sys/pseudo_terminal.hpp"
 
 namespace mbgate::io {
 namespace {
@@ -86,7 +86,7 @@ class GatewayDriverTest : public testing::Test, public DriverObserver {
     return bytes;
   }
   /// Answers the one request on the line.
-  void serve(const PseudoTerminal& terminal) {
+  void serve(const sys::PseudoTerminal& terminal) {
     std::string frame;
     const std::string expected = frame_of(5, kRequestPdu);
     ASSERT_TRUE(wait_for([&] {
@@ -113,7 +113,7 @@ bus::Instant clock_that_goes_on() { return now() + suspended_; }
 
 // The first one is on the wire, and the second one waits behind it, when the computer is suspended.
 TEST_F(GatewayDriverTest, DeadlinesGoOnWhileTheComputerIsSuspended) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   suspended_ = std::chrono::hours(0);
   clock_ = clock_that_goes_on;
   make_driver(terminal.path());
@@ -138,7 +138,7 @@ TEST_F(GatewayDriverTest, DeadlinesGoOnWhileTheComputerIsSuspended) {
 }
 
 TEST_F(GatewayDriverTest, CarriesARequestToTheLineAndItsAnswerBack) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   make_driver(terminal.path());
   driver_->start();
   ASSERT_TRUE(wait_for([&] { return opened_ == 1; }));
@@ -167,7 +167,7 @@ TEST_F(GatewayDriverTest, CarriesARequestToASerialDeviceServer) {
 }
 
 TEST_F(GatewayDriverTest, AcceptsFromASocketThatComesLater) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   make_driver(terminal.path());
   driver_->start();
   tcp::acceptor acceptor = *bind_listener(context_, loopback_listener());
@@ -177,7 +177,7 @@ TEST_F(GatewayDriverTest, AcceptsFromASocketThatComesLater) {
 }
 
 TEST_F(GatewayDriverTest, AnswersAClientThatHalfClosed) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   make_driver(terminal.path());
   driver_->start();
   ASSERT_TRUE(wait_for([&] { return opened_ == 1; }));
@@ -205,7 +205,7 @@ TEST_F(GatewayDriverTest, ServesWithoutThePortAndOpensItWhenItComes) {
   EXPECT_EQ(receive(client, kUnavailable.size()), kUnavailable);
   ASSERT_TRUE(wait_for([&] { return !failures_.empty(); }));
   EXPECT_EQ(failures_[0], "cannot open " + link.string() + ": No such file or directory");
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   std::filesystem::create_symlink(terminal.path(), link);
   EXPECT_TRUE(wait_for([&] { return opened_ == 1; }));
   std::filesystem::remove(link);
@@ -215,7 +215,7 @@ TEST_F(GatewayDriverTest, ServesWithoutThePortAndOpensItWhenItComes) {
 }
 
 TEST_F(GatewayDriverTest, SurvivesALineThatGoesInTheMiddleOfARequest) {
-  PseudoTerminal terminal;
+  sys::PseudoTerminal terminal;
   make_driver(terminal.path());
   driver_->start();
   ASSERT_TRUE(wait_for([&] { return opened_ == 1; }));
@@ -231,7 +231,7 @@ TEST_F(GatewayDriverTest, SurvivesALineThatGoesInTheMiddleOfARequest) {
 }
 
 TEST_F(GatewayDriverTest, FinishesAndClosesItsClients) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   make_driver(terminal.path());
   driver_->start();
   TestClient client(context_, address_);
@@ -246,7 +246,7 @@ TEST_F(GatewayDriverTest, FinishesAndClosesItsClients) {
 
 // It has seen an empty socket; then the process is stopped, before it has looked at its clock.
 TEST_F(GatewayDriverTest, WhatComesWhileItStandsStillBehindAReadingIsOld) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   make_driver(terminal.path(), std::chrono::milliseconds(10));
   driver_->start();
   ASSERT_TRUE(wait_for([&] { return opened_ == 1; }));
@@ -264,7 +264,7 @@ TEST_F(GatewayDriverTest, WhatComesWhileItStandsStillBehindAReadingIsOld) {
 }
 
 TEST_F(GatewayDriverTest, AcceptsWhatWaitedBeforeTheStart) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   make_driver(terminal.path());
   TestClient client(context_, address_);
   // Unit 5: write 1 to register 0x0010. It is older than the process: 06.

@@ -27,8 +27,8 @@ class RecorderTest : public testing::Test {
   Recorder::OnEnded note_end() {
     return [this](const std::string& why) { ended_.push_back(why); };
   }
-  [[nodiscard]] UniqueFd file() const {
-    return UniqueFd(::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+  [[nodiscard]] sys::UniqueFd file() const {
+    return sys::UniqueFd(::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
   }
   [[nodiscard]] std::string written() const {
     std::ifstream stream(path_);
@@ -63,7 +63,7 @@ TEST_F(RecorderTest, SaysInTheFileWhyItEnded) {
 }
 
 TEST_F(RecorderTest, EndsWhenTheFileCannotBeWritten) {
-  Recorder recorder(UniqueFd(::open("/dev/full", O_WRONLY | O_CLOEXEC)), "", note_end());
+  Recorder recorder(sys::UniqueFd(::open("/dev/full", O_WRONLY | O_CLOEXEC)), "", note_end());
   while (ended_.empty()) {
     recorder.note(gateway::DeadlineReached{}, kAt);
     recorder.hand_over();
@@ -75,8 +75,8 @@ TEST_F(RecorderTest, EndsWhenTheFileCannotBeWritten) {
 TEST_F(RecorderTest, EndsRatherThanGrowWhenTheFileTakesNothing) {
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
-  const UniqueFd nobody_reads(ends[0]);
-  Recorder recorder(UniqueFd(ends[1]), "", note_end());
+  const sys::UniqueFd nobody_reads(ends[0]);
+  Recorder recorder(sys::UniqueFd(ends[1]), "", note_end());
   const std::vector<std::uint8_t> bytes(2048);
   std::size_t noted = 0;
   for (; ended_.empty() && noted < 3 * Recorder::kMostWaiting; noted += 2 * bytes.size()) {

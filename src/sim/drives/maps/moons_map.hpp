@@ -65,4 +65,10 @@ inline constexpr std::uint16_t kMoonsProtocolLittle = 133;
 /// big-endian ones (5 and 261).
 inline constexpr std::uint32_t kMoonsLittleBit = 0x80;
 
+// Ranges of registers of MOONS' drives. The manual prints none in its tables; what counts here is
+// that a rate of 0 is none.
+
+inline constexpr Limits kRate{1, 32000};
+inline constexpr Limits kProtocol{1, 511};
+
 }  // namespace mbgate::sim

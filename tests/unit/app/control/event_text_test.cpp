@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/control/event_text.hpp"
-
 #include <gtest/gtest.h>
+
+#include "app/control/event_streams.hpp"
 
 namespace mbgate::app {
 namespace {

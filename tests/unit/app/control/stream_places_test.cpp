@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/control/stream_places.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
+
+#include "app/control/stream_readers.hpp"
 
 namespace mbgate::app {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/journal/entry.hpp"
-
 #include <gtest/gtest.h>
+
+#include "app/journal/journal.hpp"
 
 namespace mbgate::app {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/journal/event_line.hpp"
+#include "app/journal/event_topic.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,6 @@
 #include <boost/beast/http/status.hpp>
 #include <string>
 
-#include "app/page/page_files.hpp"
-
 namespace mbgate::app {
 namespace {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/trace/trace_ring.hpp"
-
 #include <gtest/gtest.h>
+
+#include "app/trace/trace_filter.hpp"
 
 namespace mbgate::test {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ctl/doctor/tally.hpp"
+#include "ctl/doctor/trial.hpp"
 #include "line_bytes.hpp"
 
 namespace mbgate::ctl {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/request/connection.hpp"
-
 #include <gtest/gtest.h>
 
+#include "ctl/request/modbus_client.hpp"
 #include "modbus/make_request.hpp"
 #include "scripted_server.hpp"
 

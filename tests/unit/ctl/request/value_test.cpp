@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/request/value.hpp"
-
 #include <gtest/gtest.h>
 
 #include <vector>
+
+#include "ctl/request/value_text.hpp"
 
 namespace mbgate::ctl {
 namespace {

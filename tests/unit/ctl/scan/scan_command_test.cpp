@@ -7,6 +7,7 @@
 
 #include <sstream>
 
+#include "ctl/request/carry_out.hpp"
 #include "ctl/scan/scan.hpp"
 
 namespace mbgate::ctl::scan_command_test {

@@ -6,8 +6,6 @@
 
 #include <map>
 
-#include "ctl/scan/sweep_text.hpp"
-
 namespace mbgate::ctl {
 namespace {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/serial/line_mode.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "ctl/serial/serial_port.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -52,7 +52,7 @@ TEST(SerialPort, TakesAnyRate) {
 
 std::vector<std::uint8_t> present_settings(const Terminal& terminal) {
   const int port = ::open(terminal.path.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
-  auto settings = read_serial_settings(port);
+  auto settings = sys::read_tty_settings(port);
   ::close(port);
   EXPECT_FALSE(settings.empty());
   return settings;
@@ -67,7 +67,7 @@ TEST(SerialPort, HasItsSettingsOfBeforeWhenItIsClosed) {
     for (const std::uint32_t baud : {19200U, 250000U}) {
       ASSERT_EQ(opened->set_mode({modbus::Baud{baud}, {8, modbus::Parity::even, 1}}), std::nullopt);
     }
-    EXPECT_NE(read_serial_settings(opened->descriptor()), before);
+    EXPECT_NE(sys::read_tty_settings(opened->descriptor()), before);
     const SerialPort port = *std::move(opened);
   }
   EXPECT_EQ(present_settings(terminal), before);

@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "ctl/trace/bus_packets.hpp"
-#include "ctl/trace/segment.hpp"
 #include "trace_records.hpp"
 
 namespace mbgate::ctl {

@@ -57,7 +57,7 @@ TEST(ListeningSocket, OfAnEarlierProcessGetsTheOptionsOfNow) {
   listener.tcp.keepalive_idle = bus::Duration::zero();
   listener.tcp.backlog = 1;
   TestClient waiting(context, *before);
-  auto after = resume_listener(context, listener, UniqueFd(before->release()));
+  auto after = resume_listener(context, listener, sys::UniqueFd(before->release()));
   ASSERT_TRUE(after.has_value()) << after.error().why;
   EXPECT_EQ(option_of(after->native_handle(), SOL_SOCKET, SO_KEEPALIVE), 0);
   tcp_info info{};
@@ -176,7 +176,7 @@ TEST(ListeningSocket, OfIpv6LeavesThePortFreeForIpv4) {
 
 TEST(ListeningSocket, CanBeTakenOverFromSystemd) {
   boost::asio::io_context context;
-  UniqueFd inherited(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sys::UniqueFd inherited(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
   ASSERT_EQ(::listen(inherited.get(), 8), 0);  // unbound: the kernel chooses a port
   auto acceptor = adopt_listener(context, loopback_listener(), std::move(inherited));
   ASSERT_TRUE(acceptor.has_value()) << acceptor.error().why;
@@ -189,8 +189,8 @@ TEST(ListeningSocket, CanBeTakenOverFromSystemd) {
 
 TEST(ListeningSocket, RefusesAnInheritedSocketThatDoesNotListen) {
   boost::asio::io_context context;
-  const auto acceptor = adopt_listener(context, loopback_listener(),
-                                       UniqueFd(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)));
+  const auto acceptor = adopt_listener(
+      context, loopback_listener(), sys::UniqueFd(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)));
   ASSERT_FALSE(acceptor.has_value());
   EXPECT_EQ(acceptor.error().why,
             "listener \"test\": cannot listen on the socket from systemd: it is no listening TCP "

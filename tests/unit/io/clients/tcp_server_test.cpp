@@ -105,7 +105,7 @@ TEST_F(TcpServerTest, SurvivesRunningOutOfDescriptors) {
   const auto refused = connect();
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
-  const UniqueFd first_free(::dup(0));
+  const sys::UniqueFd first_free(::dup(0));
   rlimit none_left = before;
   none_left.rlim_cur = static_cast<rlim_t>(first_free.get());
   ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none_left), 0);
@@ -133,7 +133,7 @@ TEST_F(TcpServerTest, LeavesDescriptorsToOthers) {
   for (int i = 0; i < 5; ++i) {
     clients.push_back(std::make_unique<TestClient>(context_, address));
   }
-  const UniqueFd probe(::dup(0));
+  const sys::UniqueFd probe(::dup(0));
   // The server's spare one takes the lowest, two clients the next ones.
   TcpServer server(context_, gateway::ListenerId{3}, std::move(acceptor), *this, probe.get() + 4);
   server.start();

@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <thread>
 
-#include "pseudo_terminal.hpp"
 #include "unit/io/run_until.hpp"
+#include "unit/sys/pseudo_terminal.hpp"
 
 namespace mbgate::io::serial_line_test {
 namespace {
@@ -56,7 +56,7 @@ const std::string kFrameText{1, 2, 3, 4};
 
 // A reload may give a port to another bus.
 TEST_F(SerialLineTest, WaitsUntilAnotherLineHasGivenBackItsPort) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   bus::LineSettings settings;
   settings.device = terminal.path();
   const LineContext context{context_, blocking_, *this};
@@ -74,7 +74,7 @@ TEST_F(SerialLineTest, WaitsUntilAnotherLineHasGivenBackItsPort) {
 }
 
 TEST_F(SerialLineTest, CarriesBytesBothWays) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   make_line(terminal.path());
   ASSERT_TRUE(open_line());
   EXPECT_TRUE(warnings_.empty());
@@ -92,7 +92,7 @@ TEST_F(SerialLineTest, CarriesBytesBothWays) {
 
 // A pty's driver holds nothing, but it takes only so much.
 TEST_F(SerialLineTest, TellsHowMuchHasNotLeftWhereThatHasChanged) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   make_line(terminal.path());
   ASSERT_TRUE(open_line());
   ASSERT_EQ(line_->transmit(kFrame), std::nullopt);
@@ -111,7 +111,7 @@ TEST_F(SerialLineTest, TellsHowMuchHasNotLeftWhereThatHasChanged) {
 
 // Giving a line back takes its time on a thread of its own.
 TEST_F(SerialLineTest, CanBeOpenedAgainRightAfterItWasClosed) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   make_line(terminal.path());
   ASSERT_TRUE(open_line());
   for (int i = 0; i < 50; ++i) {
@@ -130,7 +130,7 @@ TEST_F(SerialLineTest, SaysWhyItCannotBeOpened) {
 }
 
 TEST_F(SerialLineTest, NoticesThatTheAdapterWasPulledOut) {
-  PseudoTerminal terminal;
+  sys::PseudoTerminal terminal;
   make_line(terminal.path());
   ASSERT_TRUE(open_line());
   terminal.unplug();
@@ -142,11 +142,11 @@ TEST_F(SerialLineTest, FollowsItsPathToAnotherDevice) {
   const auto link =
       std::filesystem::temp_directory_path() / ("mbgate-line-" + std::to_string(::getpid()));
   std::filesystem::remove(link);
-  auto first = std::make_unique<PseudoTerminal>();
+  auto first = std::make_unique<sys::PseudoTerminal>();
   std::filesystem::create_symlink(first->path(), link);
   make_line(link.string());
   ASSERT_TRUE(open_line());
-  const PseudoTerminal second;
+  const sys::PseudoTerminal second;
   first->unplug();
   ASSERT_TRUE(wait_for([&] { return lost_.size() == 1; }));
   std::filesystem::remove(link);
@@ -158,7 +158,7 @@ TEST_F(SerialLineTest, FollowsItsPathToAnotherDevice) {
 }
 
 TEST_F(SerialLineTest, FinishesAFrameThatTheDriverTakesInParts) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   make_line(terminal.path());
   ASSERT_TRUE(open_line());
   const std::vector<std::uint8_t> frame(modbus::kMaxRtuSize, 0x55);
@@ -178,8 +178,8 @@ TEST_F(SerialLineTest, FinishesAFrameThatTheDriverTakesInParts) {
 /// do that. The kernel moves bytes from the buffer of the line to that of its reader on its own
 /// time and so makes room again: the line is full when both have taken nothing for a while, and the
 /// reader's has no room.
-std::optional<std::size_t> fill(const PseudoTerminal& terminal) {
-  const UniqueFd filler(
+std::optional<std::size_t> fill(const sys::PseudoTerminal& terminal) {
+  const sys::UniqueFd filler(
       ::open(terminal.path().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!filler.is_open()) {
     return std::nullopt;
@@ -204,7 +204,7 @@ std::optional<std::size_t> fill(const PseudoTerminal& terminal) {
 constexpr auto kSkipped = "skipped: only root can open a line in exclusive use again";
 
 TEST_F(SerialLineTest, WritesTheRestAsSoonAsTheDriverTakesIt) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   make_line(terminal.path());
   ASSERT_TRUE(open_line());
   const auto filled = fill(terminal);
@@ -224,7 +224,7 @@ TEST_F(SerialLineTest, WritesTheRestAsSoonAsTheDriverTakesIt) {
 }
 
 TEST_F(SerialLineTest, ThrowsAFrameAwayThatTheDriverDoesNotTakeInTime) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   make_line(terminal.path());
   ASSERT_TRUE(open_line());
   if (!fill(terminal)) {
@@ -236,7 +236,7 @@ TEST_F(SerialLineTest, ThrowsAFrameAwayThatTheDriverDoesNotTakeInTime) {
 }
 
 TEST_F(SerialLineTest, ReportsNothingOnceItWasClosedWhileOpening) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   make_line(terminal.path());
   line_->open();
   line_->close();

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "pseudo_terminal.hpp"
+#include "unit/sys/pseudo_terminal.hpp"
 
 namespace mbgate::io {
 namespace {
@@ -22,7 +22,7 @@ bus::LineSettings line_at(const std::string& path) {
 }
 
 TEST(Tty, OpensAPseudoTerminalLikeAPort) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   const auto tty = open_tty(line_at(terminal.path()));
   ASSERT_TRUE(tty.has_value()) << tty.error();
   EXPECT_TRUE(tty->warnings.empty());
@@ -32,7 +32,7 @@ TEST(Tty, OpensAPseudoTerminalLikeAPort) {
 }
 
 TEST(Tty, IsRefusedWhileAnotherProgramUsesIt) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   const auto first = open_tty(line_at(terminal.path()));
   ASSERT_TRUE(first.has_value()) << first.error();
   const auto second = open_tty(line_at(terminal.path()));
@@ -41,22 +41,22 @@ TEST(Tty, IsRefusedWhileAnotherProgramUsesIt) {
 }
 
 TEST(Tty, CanBeOpenedAgainOnceGivenBack) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   for (int i = 0; i < 3; ++i) {
     auto tty = open_tty(line_at(terminal.path()));
     ASSERT_TRUE(tty.has_value()) << tty.error();
     close_tty(std::move(tty->fd), line_at(terminal.path()));
   }
-  const UniqueFd stranger(::open(terminal.path().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+  const sys::UniqueFd stranger(::open(terminal.path().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
   int exclusive = 1;
   EXPECT_EQ(::ioctl(stranger.get(), TIOCGEXCL, &exclusive), 0);
   EXPECT_EQ(exclusive, 0);
 }
 
 TEST(Tty, ForgetsWhatWasReceivedBeforeItWasOpened) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   // The line exists as long as somebody holds it, and keeps what was sent to it.
-  const UniqueFd holder(
+  const sys::UniqueFd holder(
       ::open(terminal.path().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   const std::array<std::uint8_t, 3> old{'o', 'l', 'd'};
   ASSERT_TRUE(terminal.write(old));
@@ -95,17 +95,18 @@ TEST(Tty, SaysWhatIsMissingWhenAccessIsDenied) {
   std::filesystem::remove(path);
   ASSERT_FALSE(tty.has_value());
   EXPECT_EQ(tty.error(), "cannot open " + path.string() +
-                             ": Permission denied; its mode 0000 lets no group use it: a udev rule "
-                             "must give it to the group dialout with mode 0660");
+                             ": Permission denied; the user that mbgated runs as must be in the "
+                             "group of this port, mostly dialout (\"ls -lL " +
+                             path.string() +
+                             "\" names it), and its mode must let that group read and write");
 }
 
 // systemd's device control, unlike the modes of a file, refuses with EPERM.
 TEST(Tty, NamesTheDropInWhenTheUnitDoesNotAllowTheDriver) {
   const std::string name =
       "cannot open /dev/ttyLP3: Operation not permitted; if systemd started mbgated, its unit does "
-      "not allow this driver, or the driver was loaded after the unit had started: run \"systemctl "
-      "edit mbgated\", paste the two lines \"[Service]\" and \"DeviceAllow=char-ttyLP rw\", then "
-      "run \"systemctl restart mbgated\"";
+      "not allow this driver, or the driver was loaded after the unit had started: the unit needs "
+      "\"DeviceAllow=char-ttyLP rw\" (systemctl edit mbgated)";
   EXPECT_EQ(open_failure("/dev/ttyLP3", EPERM), name);
 }
 
@@ -121,7 +122,7 @@ TEST(Tty, NamesTheDriverThatALinkLeadsTo) {
 }
 
 TEST(Tty, RefusesKernelDirectionControlWhereTheDriverHasNone) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   auto line = line_at(terminal.path());
   line.rs485 = bus::Rs485::kernel;
   const auto tty = open_tty(line);
@@ -135,13 +136,52 @@ TEST(Tty, RefusesKernelDirectionControlWhereTheDriverHasNone) {
 }
 
 TEST(Tty, RefusesRtsDirectionControlWithoutRts) {
-  const PseudoTerminal terminal;
+  const sys::PseudoTerminal terminal;
   auto line = line_at(terminal.path());
   line.rs485 = bus::Rs485::rts;
   const auto tty = open_tty(line);
   ASSERT_FALSE(tty.has_value());
   EXPECT_EQ(tty.error(), terminal.path() +
                              ": rs485 = \"rts\" needs an RTS line: Inappropriate ioctl for device");
+}
+
+bus::LineSettings line_at(const std::string& path, modbus::Baud baud,
+                          modbus::CharacterFormat format) {
+  bus::LineSettings line = line_at(path);
+  line.baud = baud;
+  line.format = format;
+  return line;
+}
+
+sys::UniqueFd open_raw(const std::string& path) {
+  return sys::UniqueFd(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+}
+
+TEST(TtyMode, WarnsOfLostParityOnAPseudoTerminal) {
+  const sys::PseudoTerminal terminal;
+  const sys::UniqueFd fd = open_raw(terminal.path());
+  const auto warnings = set_mode(
+      fd.get(), line_at(terminal.path(), modbus::Baud{19200}, {8, modbus::Parity::even, 1}), true);
+  ASSERT_TRUE(warnings.has_value());
+  EXPECT_EQ(*warnings,
+            std::vector<std::string>{terminal.path() + ": asked for 8E1, the driver took 8N1"});
+}
+
+TEST(TtyMode, RefusesLostParityOnARealPort) {
+  const sys::PseudoTerminal terminal;
+  const sys::UniqueFd fd = open_raw(terminal.path());
+  const auto warnings = set_mode(
+      fd.get(), line_at(terminal.path(), modbus::Baud{19200}, {8, modbus::Parity::even, 2}), false);
+  ASSERT_FALSE(warnings.has_value());
+  EXPECT_EQ(warnings.error(), terminal.path() + ": asked for 8E2, the driver took 8N2");
+}
+
+TEST(TtyMode, NamesWhatWasAskedWhenTheSystemRefuses) {
+  const sys::UniqueFd fd(::open("/dev/null", O_RDWR | O_CLOEXEC));
+  const auto warnings = set_mode(
+      fd.get(), line_at("/dev/null", modbus::Baud{9600}, {7, modbus::Parity::odd, 1}), false);
+  ASSERT_FALSE(warnings.has_value());
+  EXPECT_EQ(warnings.error(), "/dev/null: cannot set 9600 7O1: Inappropriate ioctl for device");
 }
 
 }  // namespace

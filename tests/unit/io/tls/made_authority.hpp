@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "io/tls/openssl_handles.hpp"
+#include "sys/openssl.hpp"
 
 namespace mbgate::io {
 
@@ -15,14 +15,14 @@ struct MadeAuthority {
   std::string list;
 };
 
-inline std::string written_by(const BioHandle& memory) {
+inline std::string written_by(const sys::BioHandle& memory) {
   char* data = nullptr;
   const long size = BIO_get_mem_data(memory.get(), &data);
   return {data, static_cast<std::size_t>(size)};
 }
 
-inline CertificateHandle certificate_of(EVP_PKEY* key, const std::string& name) {
-  CertificateHandle made(X509_new());
+inline sys::CertificateHandle certificate_of(EVP_PKEY* key, const std::string& name) {
+  sys::CertificateHandle made(X509_new());
   X509_set_version(made.get(), X509_VERSION_3);
   ASN1_INTEGER_set(X509_get_serialNumber(made.get()), 1);
   X509_gmtime_adj(X509_getm_notBefore(made.get()), 0);
@@ -36,8 +36,8 @@ inline CertificateHandle certificate_of(EVP_PKEY* key, const std::string& name) 
   return made;
 }
 
-inline CrlHandle list_of(EVP_PKEY* key, const X509* authority) {
-  CrlHandle made(X509_CRL_new());
+inline sys::CrlHandle list_of(EVP_PKEY* key, const X509* authority) {
+  sys::CrlHandle made(X509_CRL_new());
   X509_CRL_set_version(made.get(), X509_CRL_VERSION_2);
   X509_CRL_set_issuer_name(made.get(), X509_get_subject_name(authority));
   X509_CRL_set1_lastUpdate(made.get(), X509_get0_notBefore(authority));
@@ -47,11 +47,11 @@ inline CrlHandle list_of(EVP_PKEY* key, const X509* authority) {
 }
 
 inline MadeAuthority make_authority(const std::string& name) {
-  const KeyHandle key(EVP_PKEY_Q_keygen(nullptr, nullptr, "EC", "P-256"));
-  const CertificateHandle certificate = certificate_of(key.get(), name);
-  const CrlHandle list = list_of(key.get(), certificate.get());
-  const BioHandle certificate_text(BIO_new(BIO_s_mem()));
-  const BioHandle list_text(BIO_new(BIO_s_mem()));
+  const sys::KeyHandle key(EVP_PKEY_Q_keygen(nullptr, nullptr, "EC", "P-256"));
+  const sys::CertificateHandle certificate = certificate_of(key.get(), name);
+  const sys::CrlHandle list = list_of(key.get(), certificate.get());
+  const sys::BioHandle certificate_text(BIO_new(BIO_s_mem()));
+  const sys::BioHandle list_text(BIO_new(BIO_s_mem()));
   PEM_write_bio_X509(certificate_text.get(), certificate.get());
   PEM_write_bio_X509_CRL(list_text.get(), list.get());
   return {written_by(certificate_text), written_by(list_text)};

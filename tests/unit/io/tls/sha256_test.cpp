@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/tls/sha256.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
+
+#include "io/tls/fingerprint.hpp"
 
 namespace mbgate::io {
 namespace {

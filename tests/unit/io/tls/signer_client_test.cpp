@@ -28,7 +28,7 @@ class FalseSigner {
     ::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
     ::listen(listener_.get(), 5);
     thread_ = std::thread([this, answers = std::move(answers)] {
-      connection_ = UniqueFd(::accept(listener_.get(), nullptr, nullptr));
+      connection_ = sys::UniqueFd(::accept(listener_.get(), nullptr, nullptr));
       std::array<char, 2048> question{};
       for (const std::string& answer : answers) {
         ::recv(connection_.get(), question.data(), question.size(), 0);
@@ -47,8 +47,8 @@ class FalseSigner {
 
  private:
   std::string folder_ = (std::filesystem::temp_directory_path() / "mbgate-signer-XXXXXX").string();
-  UniqueFd listener_{::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)};
-  UniqueFd connection_;
+  sys::UniqueFd listener_{::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0)};
+  sys::UniqueFd connection_;
   std::thread thread_;
 };
 

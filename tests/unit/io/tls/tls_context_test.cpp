@@ -82,7 +82,7 @@ TEST_F(TlsContextTest, WantsAListOfEachAuthority) {
 TEST(ResumableSessions, KeepTheNewest) {
   ResumableSessions sessions(2);
   for (const char* id : {"a", "b", "c"}) {
-    SessionHandle session(SSL_SESSION_new());
+    sys::SessionHandle session(SSL_SESSION_new());
     SSL_SESSION_set1_id(session.get(), reinterpret_cast<const unsigned char*>(id), 1);
     sessions.keep(std::move(session), nullptr);
   }

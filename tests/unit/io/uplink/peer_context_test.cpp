@@ -11,8 +11,8 @@ namespace {
 
 /// Why it is no name, or the name that will be checked.
 std::string checked_name(const std::string& name) {
-  const ContextHandle context(SSL_CTX_new(TLS_client_method()));
-  const SslHandle ssl(SSL_new(context.get()));
+  const sys::ContextHandle context(SSL_CTX_new(TLS_client_method()));
+  const sys::SslHandle ssl(SSL_new(context.get()));
   if (const auto wrong = expect_name(*ssl, name)) {
     return *wrong;
   }

@@ -83,7 +83,7 @@ TEST_F(LivePorts, CarryARequestAndItsAnswer) {
   sim::LiveBus bus(settings());
   ASSERT_EQ(bus.connect(), std::nullopt);
   EXPECT_EQ(bus.introduction(), "bus a " + link_.string() + " (" + bus.pty()->path() + ')');
-  const sim::FileDescriptor port(::open(link_.c_str(), O_RDWR | O_NOCTTY));
+  const sys::UniqueFd port(::open(link_.c_str(), O_RDWR | O_NOCTTY));
   const auto request = unhex(kReadStatus);
   ASSERT_EQ(::write(port.get(), request.data(), request.size()), 8);
   ASSERT_TRUE(becomes_readable(bus.pty()->descriptor()));
@@ -120,7 +120,7 @@ TEST_F(LivePorts, AnswerAtTheirOwnRateAndStopBitsOnly) {
   classic.wire.baud = modbus::Baud{9600};
   sim::LiveBus bus(classic);
   ASSERT_EQ(bus.connect(), std::nullopt);
-  const sim::FileDescriptor port(::open(link_.c_str(), O_RDWR | O_NOCTTY));
+  const sys::UniqueFd port(::open(link_.c_str(), O_RDWR | O_NOCTTY));
   const auto request = unhex(kReadStatus);
   std::vector<std::string> said;
   for (const auto& [rate, two_stop_bits] :
@@ -147,7 +147,7 @@ TEST_F(LivePorts, CarryAnAsciiRequestInParts) {
   ascii.wire.paced = false;
   sim::LiveBus bus(ascii);
   ASSERT_EQ(bus.connect(), std::nullopt);
-  const sim::FileDescriptor port(::open(link_.c_str(), O_RDWR | O_NOCTTY));
+  const sys::UniqueFd port(::open(link_.c_str(), O_RDWR | O_NOCTTY));
   for (const std::string_view part : {":0103000", "10001fa\r\n"}) {
     ASSERT_EQ(::write(port.get(), part.data(), part.size()), static_cast<ssize_t>(part.size()));
     ASSERT_TRUE(becomes_readable(bus.pty()->descriptor()));
@@ -173,7 +173,7 @@ TEST_F(LivePorts, VanishAndComeBackWithTheSameDrives) {
 TEST_F(LivePorts, CountDamagedFrames) {
   sim::LiveBus bus(settings());
   ASSERT_EQ(bus.connect(), std::nullopt);
-  const sim::FileDescriptor port(::open(link_.c_str(), O_RDWR | O_NOCTTY));
+  const sys::UniqueFd port(::open(link_.c_str(), O_RDWR | O_NOCTTY));
   ASSERT_EQ(::write(port.get(), "\x01\x03", 2), 2);
   ASSERT_TRUE(becomes_readable(bus.pty()->descriptor()));
   bus.handle_readable(Instant(100ms));

@@ -8,7 +8,6 @@
 #include <array>
 
 #include "sim/program/live_bus.hpp"
-#include "sim/program/live_tcp_bus.hpp"
 #include "unit/sim/wire/wire_rig.hpp"
 
 namespace mbgate::test {
@@ -45,7 +44,7 @@ class Client {
   }
 
  private:
-  sim::FileDescriptor socket_;
+  sys::UniqueFd socket_;
   bool connected_ = false;
 };
 

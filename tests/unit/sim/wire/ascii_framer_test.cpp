@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/wire/ascii_framer.hpp"
-
 #include <gmock/gmock.h>
 
 #include <string>
+
+#include "sim/wire/request_framer.hpp"
 
 namespace mbgate::test {
 namespace {

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sys/tls_stream.hpp"
+
+#include <openssl/bio.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <utility>
+
+namespace mbgate::sys {
+namespace {
+
+/// A handshake needs some ten, and renewing keys one a day.
+constexpr int kMostWithoutData = 100;  // within a second
+
+}  // namespace
+
+void RecordGate::watch(SSL& ssl) {
+  BIO* const bio = SSL_get_rbio(&ssl);
+  BIO_set_callback_arg(bio, reinterpret_cast<char*>(this));
+  BIO_set_callback_ex(bio, on_read);
+}
+
+RecordGate::Turn RecordGate::turn(Instant at) {
+  if (!has_passed_) {
+    return Turn::wait;
+  }
+  constexpr std::chrono::nanoseconds kSecond = std::chrono::seconds(1);
+  const Instant rested = std::max(rested_at_, at) + kSecond / kMostWithoutData;
+  if (rested - kSecond > at) {
+    return Turn::too_many;
+  }
+  rested_at_ = rested;
+  return Turn::again;
+}
+
+// Called before and after (BIO_CB_RETURN) each operation of the BIO.
+long RecordGate::on_read(BIO* bio, int what, const char* bytes, std::size_t /*size*/,
+                         int /*argument*/, long /*number*/, int result, std::size_t* processed) {
+  auto* const gate = reinterpret_cast<RecordGate*>(BIO_get_callback_arg(bio));
+  if (what == BIO_CB_READ && gate->has_passed_ && gate->head_size_ == 0) {
+    BIO_clear_retry_flags(bio);
+    BIO_set_retry_read(bio);
+    return -1;
+  }
+  if (what == (BIO_CB_READ | BIO_CB_RETURN) && result > 0) {
+    gate->note({bytes, *processed});
+  }
+  return (what & BIO_CB_RETURN) != 0 ? result : 1;
+}
+
+void RecordGate::note(std::span<const char> bytes) {
+  while (!bytes.empty()) {
+    std::size_t taken = 1;
+    if (head_size_ < head_.size()) {
+      head_[head_size_++] = static_cast<std::uint8_t>(bytes.front());
+      left_ = size_left();
+    } else {
+      taken = std::min(left_, bytes.size());
+      left_ -= taken;
+    }
+    bytes = bytes.subspan(taken);
+    if (head_size_ == head_.size() && left_ == 0) {
+      has_passed_ = true;
+      head_size_ = 0;
+    }
+  }
+}
+
+/// Of the record behind its head. The first one of a connection may be of SSL 2.0, whose head has
+/// two bytes (RFC 5246, E.2).
+std::size_t RecordGate::size_left() const {
+  if ((head_[0] & 0x80U) != 0) {
+    const std::size_t size = (head_[0] & 0x7FU) << 8U | head_[1];
+    return size + 2 > head_.size() ? size + 2 - head_.size() : 0;
+  }
+  return static_cast<std::size_t>(head_[3] << 8U | head_[4]);
+}
+
+TlsStream::TlsStream(SslHandle ssl, int socket) : ssl_(std::move(ssl)) {
+  expect_openssl(SSL_set_fd(ssl_.get(), socket));
+  records_.watch(*ssl_);
+}
+
+TlsStream::Step TlsStream::shake_hands() {
+  prepare();
+  return step_after(SSL_do_handshake(ssl_.get()));
+}
+
+TlsStream::Step TlsStream::read(std::span<std::uint8_t> room, std::size_t& count) {
+  prepare();
+  return step_after(SSL_read_ex(ssl_.get(), room.data(), room.size(), &count));
+}
+
+TlsStream::Step TlsStream::write(std::span<const std::uint8_t> bytes, std::size_t& count) {
+  prepare();
+  return step_after(SSL_write_ex(ssl_.get(), bytes.data(), bytes.size(), &count));
+}
+
+// 0: the other end has not said it yet.
+TlsStream::Step TlsStream::say_goodbye() {
+  prepare();
+  const int result = SSL_shutdown(ssl_.get());
+  return result >= 0 ? Step::done : step_after(result);
+}
+
+void TlsStream::prepare() {
+  ERR_clear_error();
+  errno = 0;
+  records_.open();
+}
+
+TlsStream::Step TlsStream::step_after(int result) {
+  const int system_error = errno;
+  switch (SSL_get_error(ssl_.get(), result)) {
+    case SSL_ERROR_NONE: return Step::done;
+    case SSL_ERROR_WANT_READ: return step_to_wait(Step::again);
+    case SSL_ERROR_WANT_WRITE: return step_to_wait(Step::write_more);
+    case SSL_ERROR_ZERO_RETURN: return Step::closed;
+    case SSL_ERROR_SYSCALL: system_error_ = ERR_peek_error() == 0 ? system_error : 0; break;
+    default: break;
+  }
+  const unsigned long error = ERR_peek_last_error();
+  is_cut_ = system_error_ == 0 &&
+            (error == 0 || ERR_GET_REASON(error) == SSL_R_UNEXPECTED_EOF_WHILE_READING);
+  return Step::broken;
+}
+
+TlsStream::Step TlsStream::step_to_wait(Step wish) {
+  switch (records_.turn(RecordGate::Instant::clock::now())) {
+    case RecordGate::Turn::again: return wish;
+    case RecordGate::Turn::wait: return wish == Step::again ? Step::read_more : wish;
+    case RecordGate::Turn::too_many: break;
+  }
+  return Step::flooded;
+}
+
+}  // namespace mbgate::sys
