@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "modbus/function_code.hpp"
+#include "modbus/codes.hpp"
 
 namespace mbgate::bus {
 namespace {

@@ -45,7 +45,7 @@ void Echo::open() {
   asked_.reset();
   heard_.reset();
   echoed_ = false;
-  may_answer_ = unproven_told_ = false;
+  may_answer_ = unproven_reported_ = false;
 }
 
 void Echo::forget() {
@@ -174,7 +174,7 @@ void Echo::find() {
 }
 
 void Echo::note_unproven() {
-  if (!std::exchange(unproven_told_, true)) {
+  if (!std::exchange(unproven_reported_, true)) {
     note_fault(faults_, LineFault::echo_unproven);
   }
 }

@@ -130,7 +130,7 @@ class Echo {
   bool passed_ = false;  // a repetition of the request was taken for the echo
   bool shown_ = false;
   unsigned lost_ = 0;  // since one was shown: reads that were answered without one
-  bool unproven_told_ = false;
+  bool unproven_reported_ = false;
 };
 
 }  // namespace mbgate::bus

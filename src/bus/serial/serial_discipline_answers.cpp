@@ -69,7 +69,7 @@ Verdict SerialDiscipline::refuse(Instant now) {
     refused_.add({transaction_->address, framer_.response(), now});
   } else {
     ++counters_.unsolicited_frames;
-    if (transaction_->request.is_read() && !std::exchange(unpaced_told_, true)) {
+    if (transaction_->request.is_read() && !std::exchange(unpaced_reported_, true)) {
       note_fault(faults_, LineFault::answered_while_sending);
     }
   }

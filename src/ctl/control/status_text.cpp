@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "ctl/visible_text.hpp"
-#include "modbus/exception_code.hpp"
+#include "modbus/codes.hpp"
 
 namespace mbgate::ctl {
 namespace {

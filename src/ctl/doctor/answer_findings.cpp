@@ -6,7 +6,7 @@
 
 #include "config/toml/duration_text.hpp"
 #include "ctl/doctor/trial.hpp"
-#include "modbus/exception_code.hpp"
+#include "modbus/codes.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "ctl/options/shared_options.hpp"
-#include "modbus/function_code.hpp"
+#include "modbus/codes.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "modbus/codes.hpp"
 #include "modbus/describe.hpp"
-#include "modbus/function_code.hpp"
 #include "modbus/mbap.hpp"
 
 namespace mbgate::ctl {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "app/journal/event_topic.hpp"
+
 #include <gtest/gtest.h>
 
 #include <optional>
 
-#include "app/journal/event_topic.hpp"
-
-namespace mbgate::app::event_level_test {
+namespace mbgate::app::event_line_test {
 namespace {
 
 using gateway::BusId;
@@ -40,4 +40,4 @@ TEST(EventLevel, IsANoticeForARecovery) {
 }
 
 }  // namespace
-}  // namespace mbgate::app::event_level_test
+}  // namespace mbgate::app::event_line_test
