@@ -10,4 +10,14 @@ namespace mbgate::app {
 /// cannot be created) or 78 (bad configuration, or one that needs what this process may not do).
 int run_mbgated(int argc, const char* const* argv, const std::string& version);
 
+// Signals that come while the process starts. The configuration is read by then: who has changed it
+// meanwhile and sends SIGHUP must not end the gateway, and gets the reload.
+
+/// To be called first, on the only thread: from now on a SIGHUP waits. What other daemons take for
+/// "tell" or "reopen your log", SIGUSR1 and SIGUSR2, is ignored, and so is what write() tells too:
+/// that nobody reads any more, or that a file may not grow.
+void hold_signals();
+/// Somebody waits for SIGHUP now: one that came since hold_signals() comes now.
+void release_held_signals();
+
 }  // namespace mbgate::app

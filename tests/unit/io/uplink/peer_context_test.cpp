@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which name a server must have. That a server is trusted, or not, is shown with one
 // (tests/integration/tls_bus_test.py).
-#include "io/uplink/peer_context.hpp"
-
 #include <gtest/gtest.h>
 #include <openssl/x509_vfy.h>
+
+#include "io/uplink/tls_uplink.hpp"
 
 namespace mbgate::io {
 namespace {
