@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program mbgated from its arguments to its exit status.
+// The program mbgated from its arguments to its exit status, and the signals that it begins with.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The line that mbgated hands to systemd.
+// The line that mbgated hands to systemd, and words, times and characters as they stand in JSON.
 #pragma once
 
 #include <chrono>

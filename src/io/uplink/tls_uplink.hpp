@@ -15,8 +15,6 @@
 #include <string>
 
 #include "bus/settings.hpp"
-#include "modbus/result.hpp"
-#include "sys/openssl.hpp"
 #include "sys/unique_fd.hpp"
 
 namespace mbgate::io {
@@ -45,20 +43,5 @@ class TlsUplink {
   std::shared_ptr<Shared> shared_;
   sys::UniqueFd line_end_;
 };
-
-// What is needed to reach a server over TLS as its client: our certificate, whose key the signer
-// has, and whom we trust. All of it is read anew for each connection, so that a renewed file needs
-// nothing but the next one. Reading files and asking the signer may block.
-
-/// TLS 1.2 or 1.3 with the server's certificate checked by authority, dates, revocations and name.
-/// The error is one line of text that names the file.
-Result<sys::SslHandle, std::string> make_peer(const bus::TlsPeer& peer);
-
-/// The server's certificate must be for this name, or this address. Why that cannot be checked;
-/// nothing: it will be.
-std::optional<std::string> expect_name(SSL& ssl, const std::string& name);
-
-/// Why the server's certificate is not accepted; empty: it is, or there was none to look at.
-std::string objection_to_peer(const SSL& ssl, const std::string& server_name);
 
 }  // namespace mbgate::io
