@@ -18,7 +18,7 @@
 #include <system_error>
 #include <thread>
 
-#include "modbus/crc16.hpp"
+#include "modbus/checksum.hpp"
 #include "moment.hpp"
 
 namespace mbgate::bench {

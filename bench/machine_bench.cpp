@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "counted_new.hpp"
-#include "modbus/crc16.hpp"
+#include "modbus/checksum.hpp"
 #include "plant.hpp"
 #include "support/gateway_harness.hpp"
 

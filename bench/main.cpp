@@ -47,21 +47,26 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--command", options.commands,
                  "NAME=COMMAND: another gateway; {device}, {baud} and {port} (on 127.0.0.1) are "
                  "filled in, with TLS also {certificate}, {key} and {authorities}");
-  app.add_option("--baud", plant.baud, "0: not paced, bytes take no time")->capture_default_str();
-  app.add_option("--buses", plant.buses, "in one daemon")->capture_default_str();
-  app.add_option("--devices", plant.devices, "on each bus")->capture_default_str();
-  app.add_option("--dead", plant.dead, "of them, that never answer")->capture_default_str();
-  app.add_option("--registers", plant.registers, "that a request reads")->capture_default_str();
-  app.add_option("--clients", load.clients, "that ask as fast as they are answered")
+  app.add_option("--baud", plant.baud, "baud rate of the lines; 0: bytes take no time")
       ->capture_default_str();
-  app.add_option("--outstanding", load.outstanding, "requests of a client")->capture_default_str();
-  app.add_flag("--same", load.same, "all clients read the same registers of a device");
-  app.add_option("--idle", load.idle, "connections besides that say nothing")
+  app.add_option("--buses", plant.buses, "buses of the gateway")->capture_default_str();
+  app.add_option("--devices", plant.devices, "devices on each bus")->capture_default_str();
+  app.add_option("--dead", plant.dead, "how many of the devices never answer")
+      ->capture_default_str();
+  app.add_option("--registers", plant.registers, "registers that each request reads")
+      ->capture_default_str();
+  app.add_option("--clients", load.clients,
+                 "clients, each of which asks again as soon as it is answered")
+      ->capture_default_str();
+  app.add_option("--outstanding", load.outstanding, "unanswered requests of each client")
+      ->capture_default_str();
+  app.add_flag("--same", load.same, "have all clients read the same registers of a device");
+  app.add_option("--idle", load.idle, "additional connections that send nothing")
       ->capture_default_str();
   app.add_option("--flood", load.flood,
                  "connections that send garbage without end to another listener of mbgated")
       ->capture_default_str();
-  app.add_flag("--tls", load.tls, "clients speak TLS");
+  app.add_flag("--tls", load.tls, "connect the clients over TLS");
   app.add_option("--handshakes", load.handshakes,
                  "processes that shake hands over TLS without end, at another listener of mbgated")
       ->capture_default_str();
@@ -69,19 +74,20 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--wake-early", options.common.wake_early, "mbgated's key, in microseconds")
       ->capture_default_str();
-  app.add_option("--seconds", options.seconds, "that a run is measured")
+  app.add_option("--seconds", options.seconds, "how long each run is measured")
       ->check(CLI::Range(0.05, 600.0))
       ->capture_default_str();
-  app.add_option("--warm-up", options.warm_up, "seconds before it")
+  app.add_option("--warm-up", options.warm_up,
+                 "how long each run goes before it is measured, in seconds")
       ->check(CLI::Range(0.0, 600.0))
       ->capture_default_str();
-  app.add_option("--pairs", options.pairs, "so often each contestant runs, in turn")
+  app.add_option("--pairs", options.pairs, "how often each contestant runs, in turn")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app.add_option("--mbgated", options.mbgated,
                  "the program; default: beside this one, or as installed");
-  app.add_flag("--allocations", options.allocations, "counts how often mbgated asks for memory");
-  app.add_option("--json", options.json, "a file for all figures");
+  app.add_flag("--allocations", options.allocations, "count how often mbgated allocates memory");
+  app.add_option("--json", options.json, "write all figures to this file");
 }
 
 /// A folder that is gone with its owner.
@@ -158,8 +164,10 @@ void measure(const Options& options, const std::vector<std::string>& command) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Measures what a Modbus gateway makes of a wire: see bench/README.md",
-               "mbgate-bench");
+  CLI::App app(
+      "Measures how much of a line a Modbus gateway uses, and how long its answers take: see "
+      "bench/README.md",
+      "mbgate-bench");
   Options options;
   declare(app, options);
   CLI11_PARSE(app, argc, argv);

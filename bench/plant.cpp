@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plant.hpp"
 
-#include "modbus/crc16.hpp"
+#include "modbus/checksum.hpp"
 
 namespace mbgate::bench {
 namespace {

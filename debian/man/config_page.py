@@ -22,7 +22,7 @@ CONTINUED = re.compile(r" {20,}# ?(.*)$")
 
 HEAD = r""".\" SPDX-License-Identifier: Apache-2.0
 .\" Made by debian/man/config_page.py from conf/mbgate.toml and mbgated --keys.
-.TH MBGATE.TOML 5 "" "mbgate 0.1.0" "File Formats"
+.TH MBGATE.TOML 5 "" "mbgate 0.2.0" "File Formats"
 .SH NAME
 mbgate.toml \- configuration of mbgated
 .SH DESCRIPTION

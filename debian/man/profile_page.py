@@ -16,7 +16,7 @@ PAGE = ROOT / "debian/man/mbgate-profile.5"
 
 HEAD = r""".\" SPDX-License-Identifier: Apache-2.0
 .\" Made by debian/man/profile_page.py from conf/profiles/README.md.
-.TH MBGATE-PROFILE 5 "" "mbgate 0.1.0" "File Formats"
+.TH MBGATE-PROFILE 5 "" "mbgate 0.2.0" "File Formats"
 .SH NAME
 mbgate\-profile \- drive profiles of mbgated
 .SH DESCRIPTION

@@ -51,8 +51,9 @@ const CLI::Option* add_serial(CLI::App& app, SerialWords& words, bool& print) {
 /// Returns --who, without which the others mean nothing.
 const CLI::Option* add_who(CLI::App& app, WhoOptions& who, CLI::Option* check) {
   constexpr auto kGroup = "Who may do what (with --check)";
-  CLI::Option* const asked = app.add_option(
-      "--who", who.client, "Say what would become of this client's request, and what decides");
+  CLI::Option* const asked =
+      app.add_option("--who", who.client,
+                     "Say whether this client's request would be permitted, and what decides it");
   asked->type_name("ADDRESS")->group(kGroup)->needs(check);
   const auto add = [&](const char* name, auto& value, const char* type, const char* description) {
     CLI::Option* const option = app.add_option(name, value, description);
@@ -62,12 +63,12 @@ const CLI::Option* add_who(CLI::App& app, WhoOptions& who, CLI::Option* check) {
   add("--listener", who.listener, "NAME", "Only on this listener");
   add("--role", who.role, "ROLE", "The role in its certificate, \"\" if there is none");
   add("--certificate", who.certificate, "NAME", "The name in its certificate");
-  asked->needs(add("--unit", who.unit, "N", "The unit that it asks"));
-  add("--read", who.read, "TABLE ADDRESS", "It reads coils, discrete, input or holding")
+  asked->needs(add("--unit", who.unit, "N", "Unit identifier of the request"));
+  add("--read", who.read, "TABLE ADDRESS", "The request reads coils, discrete, input or holding")
       ->expected(2);
-  add("--write", who.write, "TABLE ADDRESS", "It writes coils or holding")->expected(2);
-  add("--count", who.count, "N", "So many of them")->capture_default_str();
-  add("--value", who.value, "N", "What it writes, which tells stops from others")
+  add("--write", who.write, "TABLE ADDRESS", "The request writes coils or holding")->expected(2);
+  add("--count", who.count, "N", "How many registers or coils")->capture_default_str();
+  add("--value", who.value, "N", "The value that it writes, which tells a stop from other writes")
       ->capture_default_str();
   return asked;
 }

@@ -133,7 +133,7 @@ void HttpListeners::reload(const gateway::HttpSettings& settings) {
   change(http_listeners(now_, settings));
   for (std::size_t i = 0; i < now_.size(); ++i) {
     if (now_[i].is_gone) {
-      control_.see_out(static_cast<ListenerId>(i));
+      control_.close_clients(static_cast<ListenerId>(i));
     }
   }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The TCP addresses at which the HTTP interface is read, `[http] listen`, or the sockets of systemd
-// that are named "http" in their place. The gateway serves drives without them: one that cannot be
-// had is tried again.
+// The TCP sockets of the HTTP interface: the addresses of `[http] listen`, or in their place the
+// sockets named "http" that systemd hands over. The gateway serves drives without them; an address
+// that cannot be bound is tried again.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

@@ -55,8 +55,8 @@ std::string log_line(Level level, const std::string& text, bool for_journal);
 
 class Log {
  public:
-  /// Told of every line that is given to the writer (but write_unobserved()), on the thread that
-  /// hands it in. What print() takes is info: so the journal has it.
+  /// Called for every line that is given to the writer, except by write_unobserved(), on the thread
+  /// that gives it. A line of print() has the level info, as in the journal.
   using Observer = std::function<void(Level, const std::string& text)>;
 
   /// send_to_journal(), or a test's replacement for it.
@@ -73,8 +73,8 @@ class Log {
   /// is written.
   void write_limited(Level level, const std::string& kind, const std::string& text,
                      const Topic& topic = {});
-  /// For the journal alone: the observer is not told, because those who read along keep what
-  /// somebody has to act on, and this may come many times a second.
+  /// For the journal alone: the observer is not called, because its readers keep what somebody has
+  /// to act on, and this may come many times a second.
   void write_unobserved(Level level, const std::string& text, const Topic& topic = {});
   /// One at a time; an empty one ends it.
   void observe(Observer observer) { observer_ = std::move(observer); }

@@ -10,8 +10,8 @@ namespace mbgate::app {
 /// cannot be created) or 78 (bad configuration, or one that needs what this process may not do).
 int run_mbgated(int argc, const char* const* argv, const std::string& version);
 
-// Signals that come while the process starts. The configuration is read by then: who has changed it
-// meanwhile and sends SIGHUP must not end the gateway, and gets the reload.
+// Holds signals that arrive while the process starts. A SIGHUP then must not end the gateway; it
+// leads to a reload as soon as the gateway serves.
 
 /// To be called first, on the only thread: from now on a SIGHUP waits. What other daemons take for
 /// "tell" or "reopen your log", SIGUSR1 and SIGUSR2, is ignored, and so is what write() tells too:

@@ -129,6 +129,13 @@ bool Service::is_sound(const Configuration& read) {
   if (!read.loaded.settings) {
     return false;
   }
+  // An editor may have left an empty file behind.
+  if (read.loaded.settings->buses.empty() && gateway::count_there(driver_.settings().buses) > 0) {
+    say_of_reload(Level::error,
+                  "no [[bus]] is left: only a restart of mbgated takes all buses away",
+                  message_id::kConfigurationWrong);
+    return false;
+  }
   const bool may = may_listen(*read.loaded.settings);
   return has_certificates(read.tls) && may;
 }

@@ -23,13 +23,16 @@ std::string listeners_text(const gateway::Settings& settings) {
 
 std::string status_text(const gateway::Settings& settings, const gateway::Status& status,
                         std::size_t listeners_waiting) {
+  const std::size_t buses = gateway::count_there(settings.buses);
+  if (buses == 0) {
+    return "no [[bus]] is configured";
+  }
   const std::string listening =
       listeners_waiting == 0
           ? ""
           : std::to_string(gateway::count_there(settings.listeners) - listeners_waiting) + " of ";
   return listening + listeners_text(settings) + ", " + std::to_string(status.buses_open) + " of " +
-         counted(gateway::count_there(settings.buses), "bus", "buses") + " open, " +
-         counted(status.clients, "client", "clients");
+         counted(buses, "bus", "buses") + " open, " + counted(status.clients, "client", "clients");
 }
 
 std::string utc_second(std::chrono::system_clock::time_point instant) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The line that mbgated hands to systemd, and words, times and characters as they stand in JSON.
+// The status line that `systemctl status` shows, and words, times and characters as JSON has them.
 #pragma once
 
 #include <chrono>
@@ -27,7 +27,7 @@ constexpr const char* framing_word(bus::Framing framing) {
   return "";
 }
 
-// Instants as they stand in JSON.
+// Instants as text for JSON.
 
 /// "2026-11-24T22:10:00", in UTC, the second that has begun; what follows it, and the final Z, are
 /// the caller's.
@@ -37,7 +37,7 @@ std::string utc_millisecond(std::chrono::system_clock::time_point instant);
 /// "2026-11-24T22:10:00.123456Z"
 std::string utc_microsecond(std::chrono::system_clock::time_point instant);
 
-// JSON is UTF-8, and a path of the file system is any bytes.
+// Makes UTF-8, which JSON requires, of any bytes, such as a path of the file system.
 
 /// The text, with U+FFFD in place of each byte that is no part of a valid character (RFC 3629).
 std::string valid_utf8(std::string_view text);

@@ -10,7 +10,7 @@ namespace {
 Instant listen_until(const Parts& parts, Instant first_until, Instant now) {
   Instant until = std::max(first_until, now);
   for (const DeviceEntry& entry : parts.devices.entries()) {
-    until = std::max(until, entry.hold.until(entry.timing()));
+    until = std::max(until, entry.hold.until(entry.in_force()));
   }
   return until;
 }
@@ -182,13 +182,14 @@ void Bus::give_up(Instant now) {
 
 std::optional<BusAction> Bus::poll() { return parts_.actions.poll(); }
 
-std::optional<Wake> Bus::next_wake() const {
-  auto judgement = earlier(parts_.link.next_attempt(), parts_.queue.first_deadline());
+Timers Bus::timers() const {
+  Timers timers = dispatch_.timers();
+  timers.set(Timer::opening, parts_.link.next_attempt());
+  timers.set(Timer::queue_deadline, parts_.queue.first_deadline());
   if (parts_.link.is_open()) {
-    judgement = earlier(judgement, parts_.line.next_deadline());
+    timers.set(Timer::line, parts_.line.next_deadline());
   }
-  return earlier(judgement ? std::optional(Wake{*judgement}) : std::nullopt,
-                 dispatch_.next_start());
+  return timers;
 }
 
 void Bus::clear_counters() {

@@ -2,7 +2,7 @@
 // A bus: a scheduler over a line discipline. It takes jobs, decides which goes next, repeats reads
 // and stops, keeps deadlines, leaves devices alone that owe an answer or are offline, answers what
 // can be answered together or from memory, and reopens a lost line. Pure: after every call the
-// owner empties poll() and asks next_wake().
+// owner empties poll() and asks timers().
 #pragma once
 
 #include <span>
@@ -59,7 +59,8 @@ class Bus {
   void give_up(Instant now);
 
   std::optional<BusAction> poll();
-  [[nodiscard]] std::optional<Wake> next_wake() const;
+  /// What it waits for.
+  [[nodiscard]] Timers timers() const;
 
   [[nodiscard]] const LinkState& link() const { return parts_.link; }
   [[nodiscard]] const BusCounters& counters() const { return parts_.counters; }

@@ -43,7 +43,7 @@ struct NeverSilent {};
 /// Close the connection: nothing comes from the server any more, or nothing that can be followed.
 /// OpenLine follows when a job waits for it. Nothing needs to be reported back.
 struct ReplaceLine {
-  bool is_news;  ///< nothing comes, but something did since the last ReplaceLine
+  bool is_reportable;  ///< nothing comes, but something did since the last ReplaceLine
 };
 /// What was learned of the device at an address.
 struct DeviceNotice {

@@ -27,7 +27,7 @@ Duration BusView::longest_waiting(Instant now) const {
 
 Duration BusView::held_back(std::uint8_t address, Instant now) const {
   const DeviceEntry& entry = parts_.devices[address];
-  const Instant until = entry.hold.until(entry.timing());
+  const Instant until = entry.hold.until(entry.in_force());
   return parts_.quarantines() && until > now ? until - now : Duration{0};
 }
 

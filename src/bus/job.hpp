@@ -94,7 +94,6 @@ struct Job {
   Instant accepted_at;
   bool was_on_wire = false;    ///< something that its client asked for was transmitted
   bool abandoned = false;      ///< its client is gone: no further transmission
-  bool passed_over = false;    ///< another job was sent while this one waited for its device's gap
   bool overtaken = false;      ///< cancelled by a stop of its device: no further transmission
   bool probes_freely = false;  ///< it may probe only because there are no ordinary requests
   bool accepted = false;       ///< the bus has it

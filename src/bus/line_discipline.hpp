@@ -73,7 +73,7 @@ class LineDiscipline {
   }
   void note_closed(Instant now) {
     if (auto* tcp = std::get_if<TcpDiscipline>(&line_)) {
-      tcp->note_closed(now);
+      tcp->use().note_closed(now);
     }
   }
   std::optional<LineEnd> take_end(Instant now) {

@@ -1,7 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/line_end.hpp"
 
+#include <algorithm>
+
 namespace mbgate::bus {
+
+OwedAnswers::iterator first_fit(OwedAnswers& owed, const modbus::Pdu& response) {
+  return std::ranges::find_if(owed, [&](const OwedAnswer& it) {
+    return is_fitting(modbus::check_response(it.asked, response.bytes()));
+  });
+}
 
 std::string_view to_text(LineState state) {
   switch (state) {

@@ -38,6 +38,8 @@ struct OwedAnswer {
 };
 /// Oldest first: a device works in order.
 using OwedAnswers = std::vector<OwedAnswer>;
+/// The one that the response belongs to.
+OwedAnswers::iterator first_fit(OwedAnswers& owed, const modbus::Pdu& response);
 
 /// How a transmission ended.
 struct LineEnd {

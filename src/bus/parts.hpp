@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bus consists of. Each part owns its data, and none knows the others. Functions that decide
-// (turns, stop_order) only look at the parts. Classes that act (Admission, Dispatch, Outcomes,
+// What a bus consists of. Each part owns its data, and none knows the others. What decides
+// (Scheduler, readiness) only looks at the parts. Classes that act (Admission, Dispatch, Outcomes,
 // JobEnds) change them.
 #pragma once
 
@@ -16,9 +16,9 @@
 #include "bus/link_state.hpp"
 #include "bus/queue/acknowledged_stops.hpp"
 #include "bus/queue/bus_queue.hpp"
+#include "bus/queue/last_sent.hpp"
 #include "bus/queue/payback.hpp"
 #include "bus/queue/stop_lane.hpp"
-#include "bus/queue/turn_book.hpp"
 #include "bus/transmission/transmission.hpp"
 
 namespace mbgate::bus {
@@ -46,9 +46,8 @@ struct Parts {
     return others;
   }
 
-  /// Are devices held in quarantine? Not on Modbus TCP, where the transaction identifier tells late
-  /// answers apart.
-  [[nodiscard]] bool quarantines() const { return settings.line.framing != Framing::tcp; }
+  /// Are devices held in quarantine? Not where transaction identifiers tell late answers apart.
+  [[nodiscard]] bool quarantines() const { return !settings.has_identifiers(); }
   /// Does a Modbus TCP server say that it did not reach the device? Then the device has not
   /// answered.
   [[nodiscard]] bool is_unreached(const modbus::Pdu& response) const {
@@ -63,7 +62,7 @@ struct Parts {
   Transmissions transmissions;
   StopLane stops;  // links transmissions: destroyed before them
   AcknowledgedStops acknowledged;
-  TurnBook turns;
+  LastSent last_sent;
   Payback payback;
   Probes probes;
   AdapterWatch adapter;

@@ -125,6 +125,9 @@ struct BusSettings {
   /// Framing tcp: true if a response must have the unit identifier of its request. False: the
   /// transaction identifier is enough; many servers answer as unit 1 or 255.
   bool check_unit = false;
+  /// Framing tcp: false if the server does not return transaction identifiers. Then late answers
+  /// are told apart as on a serial line: `outstanding` is 1, `check_unit` is true.
+  bool check_transaction = true;
   /// Framing tcp: how long nothing is sent on a new connection.
   Duration connect_delay{0};
   /// Framing tcp: whether every unit is the one device of this bus. None: if its address is 255.
@@ -141,6 +144,10 @@ struct BusSettings {
   unsigned hung_requests = 10;
   Duration hung_max = std::chrono::minutes(10);
 
+  /// Do transaction identifiers tell whose a late answer is?
+  [[nodiscard]] bool has_identifiers() const {
+    return line.framing == Framing::tcp && check_transaction;
+  }
   /// How long an RTU answer may pause in all, beyond the time that its bytes take. An answer of
   /// unknown length, or with a bad CRC, must be followed by this much silence.
   [[nodiscard]] Duration frame_slack_or_default() const {

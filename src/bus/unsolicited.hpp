@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "bus/instant.hpp"
-#include "modbus/request_length.hpp"
+#include "modbus/request.hpp"
 #include "modbus/response.hpp"
 
 namespace mbgate::bus {

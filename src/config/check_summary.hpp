@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is said of a configuration in which nothing is wrong.
+// What --check prints for a configuration without errors.
 #pragma once
 
 #include <string>
@@ -13,8 +13,8 @@ namespace mbgate::config {
 /// `settings`: as they were read.
 std::string check_summary(const gateway::Settings& settings);
 
-// What a configuration needs of the service beyond what every one does. It is read off the
-// settings; nothing is tried.
+// What a configuration needs from the system beyond the service as it is shipped, such as a port
+// below 1024. Derived from the settings; nothing is tried.
 
 /// "needs port 502 (listener "plant"): mbgated.socket, or the drop-in port-502.conf". None for a
 /// configuration without needs.

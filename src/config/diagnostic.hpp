@@ -50,8 +50,8 @@ std::string render(const std::vector<Diagnostic>& diagnostics);
 /// Is one of them an error?
 bool has_errors(const std::vector<Diagnostic>& diagnostics);
 
-// Where keys stand that deny requests, "mbgate.toml:12", beside the settings that were read there.
-// The gateway does not need them; whoever asks it why does.
+// The places of keys that deny requests, such as "mbgate.toml:12". The gateway does not need them;
+// `--check --who` names them.
 
 /// Empty: the key is not there.
 struct ListenerPlaces {

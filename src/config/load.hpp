@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the gateway's settings from the files of its configuration. There are settings only if all
-// of it is right. All errors of meaning are reported, but only the first error of syntax of a file;
-// if there is one, none of meaning.
+// Reads the gateway's settings from the files of its configuration. There are settings only if
+// there is no error. Of syntax errors only the first in each file is reported, and then no other
+// errors; otherwise all errors are.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The files of a configuration as they were read, before anybody knows what they mean.
+// The files of a configuration as they were read, not parsed yet.
 #pragma once
 
 #include <cstddef>

@@ -13,9 +13,9 @@ namespace mbgate::ctl {
 std::variant<Command, Notice> parse_command_line(const std::string& version, int count,
                                                  const char* const* arguments) {
   CLI::App app(
-      "Reads and writes Modbus devices through a gateway, or any Modbus TCP server, finds out what "
-      "is on a bus and what is wrong with a line, shows drive profiles, checks a configuration, "
-      "replays a recording, and asks a running mbgated how it is.",
+      "Reads and writes Modbus devices through mbgated or any other Modbus TCP server, shows the "
+      "status of a running mbgated, scans and examines serial lines, shows drive profiles, checks "
+      "configurations, and replays recordings.",
       "mbgatectl");
   app.set_version_flag("--version", "mbgatectl " + version);
   app.require_subcommand(1);

@@ -59,7 +59,7 @@ struct DeviceTiming {
 struct Device {
   std::string name;
   BusId bus{};
-  std::uint8_t address = 1;  ///< 1 to 247; on a downstream TCP bus 0 to 255
+  std::uint8_t address = 1;  ///< 1 to 255; on a downstream TCP bus 0 to 255
   DeviceTiming timing;
   /// Its values include those of the device itself (`values32`, `values64`).
   Profile profile{};

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+
 #include "drive/profile.hpp"
+
+#include "drive/register_range.hpp"
 
 namespace mbgate::drive {
 
@@ -51,6 +54,15 @@ bool Profile::is_special(const TableRange& range) const {
   constexpr auto kHolding = modbus::Table::holding_registers;
   return position_opcodes && (contains(range, kHolding, position_opcodes->address) ||
                               overlap(range, {kHolding, position_opcodes->position, 2}));
+}
+
+bool writes(const modbus::Request& request, const WriteMatch& match) {
+  const auto& field = request.writes();
+  if (!field || !contains(field->range, match.table, match.address)) {
+    return false;
+  }
+  const auto written = request.written(match.address);
+  return written && match.fits(*written);
 }
 
 }  // namespace mbgate::drive

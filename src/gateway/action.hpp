@@ -5,6 +5,7 @@
 #include <string>
 #include <variant>
 
+#include "bus/action_queue.hpp"
 #include "bus/job.hpp"
 #include "gateway/client.hpp"
 #include "gateway/event.hpp"
@@ -59,5 +60,7 @@ using Action =
 
 /// One line for a trace. The names are taken from the settings.
 std::string to_text(const Action& action, const Settings& settings);
+
+using ActionQueue = bus::ActionQueue<Action>;
 
 }  // namespace mbgate::gateway

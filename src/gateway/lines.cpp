@@ -75,7 +75,7 @@ void Lines::carry_out(BusId bus, const bus::BusAction& action) {
     line_actions_.push(Shut{bus});
     line_actions_.push(Open{bus});
   } else if (const auto* replace = std::get_if<bus::ReplaceLine>(&action)) {
-    if (replace->is_news) {
+    if (replace->is_reportable) {
       report(ConnectionReplaced{bus});
     }
     line_actions_.push(Shut{bus});

@@ -5,10 +5,10 @@
 #include <optional>
 
 #include "bus/bus_action.hpp"
+#include "gateway/action.hpp"
 #include "gateway/bus_set.hpp"
 #include "gateway/exchanges/exchanges.hpp"
 #include "gateway/input.hpp"
-#include "gateway/reports.hpp"
 #include "gateway/trace/trace_book.hpp"
 
 namespace mbgate::gateway {

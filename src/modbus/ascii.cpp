@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "modbus/lrc.hpp"
+#include "modbus/checksum.hpp"
 
 namespace mbgate::modbus {
 namespace {

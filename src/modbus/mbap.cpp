@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "modbus/crc16.hpp"
+#include "modbus/checksum.hpp"
 
 namespace mbgate::modbus {
 namespace {

@@ -7,8 +7,7 @@
 #include <optional>
 
 #include "modbus/bytes.hpp"
-#include "modbus/exception_code.hpp"
-#include "modbus/function_code.hpp"
+#include "modbus/codes.hpp"
 
 namespace mbgate::modbus {
 

@@ -44,4 +44,11 @@ constexpr bool is_fitting(ResponseFit fit) {
 /// and 43.
 ResponseFit check_response(const Request& request, Bytes response);
 
+// The length of a request, from its first bytes. It is needed to tell the requests of another
+// client on the line from the responses of devices.
+
+/// The length of the request PDU that begins with `prefix` (function code first, not empty).
+/// Source: Application Protocol V1.1b3, section 6. Opaque if the function does not determine it.
+PduLength request_length(Bytes prefix);
+
 }  // namespace mbgate::modbus

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// May this client do this on this route? Decided for each request; what is denied gets exception
-// 01.
+// Decides for each request whether its client may make it on this route; a denied one gets
+// exception 01.
 #pragma once
 
 #include <cstdint>

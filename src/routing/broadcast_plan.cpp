@@ -27,9 +27,9 @@ bool takes(const Device& device, const Request& request) {
 }
 
 // The standard one first, then each of its own that a profile states.
-auto forms_of(const Audience& audience) {
+auto forms_of(const BusDevices& known) {
   boost::container::small_vector<BroadcastForm, 2> forms{BroadcastForm{}};
-  for (const Device* device : audience.devices) {
+  for (const Device* device : known.devices) {
     const auto& form = device->profile.broadcast.form;
     if (form && std::ranges::find(forms, *form) == forms.end()) {
       forms.push_back(*form);
@@ -41,9 +41,9 @@ auto forms_of(const Audience& audience) {
 // Those that may carry the request out if it goes out in this form. At address 0 nobody can be kept
 // from listening, not even a drive whose manual states no broadcasts; a form of its own is known to
 // be heard for what its manual lists, and only for that.
-Receivers receivers_of(const Audience& audience, BroadcastForm form, const Request& request) {
+Receivers receivers_of(const BusDevices& known, BroadcastForm form, const Request& request) {
   Receivers receivers;
-  std::ranges::copy_if(audience.devices, std::back_inserter(receivers), [&](const Device* device) {
+  std::ranges::copy_if(known.devices, std::back_inserter(receivers), [&](const Device* device) {
     const drive::Broadcast& rules = device->profile.broadcast;
     if (!form.is_standard()) {
       return rules.form == form && takes(*device, request);
@@ -155,8 +155,8 @@ bool mean_the_same(const AllSent& sent, BroadcastForm form) {
 // Has every device of these buses the registers, and with one meaning?
 std::optional<ExceptionCode> misunderstanding(const ResolvedRoute& resolved, const AllSent& sent,
                                               const Request& request) {
-  for (const Audience& audience : resolved.audiences) {
-    for (const Device* device : audience.devices) {
+  for (const BusDevices& known : resolved.devices_of_buses) {
+    for (const Device* device : known.devices) {
       if (is_asked(resolved, *device) && !has_registers(*device, request)) {
         return ExceptionCode::illegal_data_address;
       }
@@ -208,13 +208,13 @@ std::optional<Request> in_order_of_all(const ResolvedRoute& resolved, const Rece
 // In every form that somebody is there for; where nothing is known, in the standard one.
 AllSent all_forms(const ResolvedRoute& resolved, const Request& request) {
   AllSent sent;
-  for (const Audience& audience : resolved.audiences) {
-    for (const BroadcastForm form : forms_of(audience)) {
-      Receivers receivers = receivers_of(audience, form, request);
-      const bool unknown_devices = audience.devices.empty() && form.is_standard();
+  for (const BusDevices& known : resolved.devices_of_buses) {
+    for (const BroadcastForm form : forms_of(known)) {
+      Receivers receivers = receivers_of(known, form, request);
+      const bool unknown_devices = known.devices.empty() && form.is_standard();
       const bool wanted = !resolved.only_form || *resolved.only_form == form;
       if (wanted && (unknown_devices || is_meant(receivers, form))) {
-        sent.push_back({{audience.bus, form, request}, std::move(receivers)});
+        sent.push_back({{known.bus, form, request}, std::move(receivers)});
       }
     }
   }
@@ -285,8 +285,8 @@ std::vector<const Device*> not_addressed(const ResolvedRoute& resolved, const Pl
            device.is_addressed_by(it.address, it.broadcast) &&
            (is_stop ? device.is_stop(it.request) : has_registers(device, it.request));
   };
-  for (const Audience& audience : resolved.audiences) {
-    for (const Device* device : audience.devices) {
+  for (const BusDevices& known : resolved.devices_of_buses) {
+    for (const Device* device : known.devices) {
       if (is_asked(resolved, *device) && std::ranges::none_of(plan.transactions(), [&](auto& it) {
             return is_for(*device, it);
           })) {

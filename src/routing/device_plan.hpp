@@ -8,10 +8,19 @@
 #include <optional>
 
 #include "drive/device.hpp"
+#include "drive/profile.hpp"
 #include "modbus/request.hpp"
 #include "routing/reply.hpp"
 
 namespace mbgate::routing {
+
+// Splits a range of registers into requests that a drive accepts: none over its limit, none that
+// cuts a value, none across the border of a parameter group.
+
+using Pieces = boost::container::small_vector<modbus::TableRange, 4>;
+
+/// The pieces of `range`, in order. `limit` must not be smaller than a value of the profile.
+Pieces cut(const modbus::TableRange& range, std::uint16_t limit, const drive::Profile& profile);
 
 using Requests = boost::container::small_vector<modbus::Request, 1>;
 

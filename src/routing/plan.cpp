@@ -112,9 +112,9 @@ void Plan::add_question(const drive::Device& device) {
 }
 
 void Plan::add_questions(const ResolvedRoute& resolved, BusId bus, const Request& request) {
-  for (const Audience& audience : resolved.audiences) {
-    for (const drive::Device* device : audience.devices) {
-      if (audience.bus == bus && device->verify_word_order && resolved.route.word_order &&
+  for (const BusDevices& known : resolved.devices_of_buses) {
+    for (const drive::Device* device : known.devices) {
+      if (known.bus == bus && device->verify_word_order && resolved.route.word_order &&
           touches_value(*device, request)) {
         add_question(*device);
       }

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "drive/word_exchange.hpp"
+#include "drive/word_order.hpp"
 #include "modbus/request.hpp"
 
 namespace mbgate::routing {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "modbus/function_code.hpp"
+#include "modbus/codes.hpp"
 
 namespace mbgate::routing {
 namespace {

@@ -2,11 +2,21 @@
 #include "routing/route_table.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "modbus/rtu.hpp"
 #include "routing/broadcast_plan.hpp"
 
 namespace mbgate::routing {
+namespace {
+
+// Addresses that the specification reserves (Serial Line V1.02, 2.2), and some devices have all the
+// same. 255 is the gateway itself.
+bool is_reserved(std::uint8_t address) {
+  return address > modbus::kMaxDeviceAddress && address < std::numeric_limits<std::uint8_t>::max();
+}
+
+}  // namespace
 
 RouteTable::RouteTable(std::span<const ListenerKind> listeners, std::span<const Route> routes,
                        std::span<const drive::Device> devices)
@@ -40,6 +50,12 @@ void RouteTable::add_transparent(const ListenerKind& kind, Units& units) {
   route.last_unit = modbus::kMaxDeviceAddress;
   route.functions.change_delimiter = kind.change_delimiter;
   add(route, units);
+  for (const drive::Device& device : devices_) {
+    if (device.bus == *kind.bus && is_reserved(device.address)) {
+      route.first_unit = route.last_unit = route.first_address = device.address;
+      add(route, units);
+    }
+  }
   if (kind.broadcast) {
     Route broadcast;
     broadcast.buses = {*kind.bus};
@@ -62,22 +78,22 @@ void RouteTable::add(const Route& route, Units& units) {
     }
   }
   if (route.is_broadcast()) {
-    std::ranges::transform(route.buses, std::back_inserter(resolved.audiences),
-                           [this](BusId bus) { return audience_on(bus); });
+    std::ranges::transform(route.buses, std::back_inserter(resolved.devices_of_buses),
+                           [this](BusId bus) { return devices_on(bus); });
   }
   for (std::size_t unit = route.first_unit; unit <= route.last_unit; ++unit) {
     units.at(unit) = index;
   }
 }
 
-Audience RouteTable::audience_on(BusId bus) const {
-  Audience audience{bus, {}};
+BusDevices RouteTable::devices_on(BusId bus) const {
+  BusDevices known{bus, {}};
   for (const drive::Device& device : devices_) {
     if (device.bus == bus) {
-      audience.devices.push_back(&device);
+      known.devices.push_back(&device);
     }
   }
-  return audience;
+  return known;
 }
 
 // Where drives hear broadcasts at an address of their own, that is no device's: it reaches them
@@ -122,7 +138,7 @@ RouteTable::Index RouteTable::route_of_form(const ResolvedRoute& resolved, Index
   if (resolved.route.access == Access::read_only) {  // both must allow it
     only.route.access = Access::read_only;
   }
-  only.audiences = {audience_on(bus)};
+  only.devices_of_buses = {devices_on(bus)};
   only.only_form = form;
   routes_.push_back(std::move(only));
   return static_cast<Index>(routes_.size() - 1);

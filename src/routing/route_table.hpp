@@ -43,7 +43,7 @@ class RouteTable {
   void add_transparent(const ListenerKind& kind, Units& units);
   void add(const Route& route, Units& units);
   void guard_broadcast_address(Units& units);
-  [[nodiscard]] Audience audience_on(BusId bus) const;
+  [[nodiscard]] BusDevices devices_on(BusId bus) const;
   [[nodiscard]] std::optional<drive::BroadcastForm> own_form_at(const ResolvedRoute& resolved,
                                                                 std::size_t unit) const;
   [[nodiscard]] Index route_of_form(const ResolvedRoute& resolved, Index broadcast,

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "drive/word_exchange.hpp"
+#include "drive/word_order.hpp"
 
 namespace mbgate::routing {
 namespace {

@@ -25,7 +25,9 @@ Signals:
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Virtual RS-485 buses with drives on them, each on a pty, paced like the wire.");
+  CLI::App app(
+      "Simulates RS-485 buses with drives, each on a pseudo-terminal or a TCP port, at the speed "
+      "of the wire.");
   std::string path;
   bool check = false;
   app.add_option("CONFIG", path, "the simulator's configuration, such as conf/demo-sim.toml")

@@ -10,10 +10,11 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   hash.until(listens_first_until.value_or(hash.now()));
   // Settings: settings. Counted only: counters. Watches real adapters only: adapter. For the trace:
   // is_traced. Empty when the machine was asked for its actions: actions.
-  auto& [settings, devices, counters, line, queue, transmissions, stops, acknowledged, turns,
+  auto& [settings, devices, counters, line, queue, transmissions, stops, acknowledged, last_sent,
          payback, probes, adapter, link, stopping, is_traced, pumped_at, actions] = parts;
-  // Told only: diagnosis. They know nothing of their own: ends, outcomes.
-  const auto& [of_dispatch, its_ends, its_outcomes, its_diagnosis, next_start, looking] = dispatch;
+  // Told only: diagnosis. They know nothing of their own: ends, outcomes, scheduler.
+  const auto& [of_dispatch, its_ends, its_outcomes, its_diagnosis, scheduler, timers, looking] =
+      dispatch;
   const auto& [of_admission, ends_too, sequence] = admission;
   bool may_be_offline = false;
   for (const drive::Device& device : devices.devices()) {
@@ -23,16 +24,16 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   hash.add(stopping);
   hash.add(looking);
   hash.ordered(Order::acceptance, sequence);
-  read(turns, settings, sight, hash);
+  read(last_sent, settings, sight, hash);
   const auto& [paid_until, last_answered, answered_at, other_answered_at] = payback;
   hash.until(paid_until);
   hash.add(last_answered);
   hash.since(answered_at, settings.timing.probe_interval);
   hash.since(other_answered_at, settings.timing.probe_interval);
-  hash.add(next_start.has_value());
-  if (next_start) {
+  for (const std::optional<bus::Wake>& timer : timers.all_) {
+    hash.add(timer.has_value());
     // Perhaps a deadline that nothing comes near to; a longer wait can be read from its reasons.
-    hash.until(std::min(next_start->at, hash.now() + std::chrono::seconds(1)));
+    hash.until(timer ? std::min(timer->at, hash.now() + std::chrono::seconds(1)) : hash.now());
   }
   const auto& [of_settings, of_devices, next_probe, others, free_probes, others_gone_at] = probes;
   hash.add(others);
@@ -66,9 +67,9 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   read(line, sight, hash);
 }
 
-void StateReader::read(const bus::TurnBook& turns, const bus::BusSettings& settings,
+void StateReader::read(const bus::LastSent& sent, const bus::BusSettings& settings,
                        const Sight& sight, Hash& hash) {
-  const auto& [writes_in_row, last_stop, last_end] = turns;
+  const auto& [writes_in_row, last_stop, last_end] = sent;
   hash.add(std::min(writes_in_row, settings.burst));
   hash.add(last_stop.value_or(0));
   if (sight.stop_waits) {
@@ -138,9 +139,8 @@ void StateReader::read(const bus::Job* job, gateway::Gateway& gateway, Hash& has
   // Where it is linked is told by who shows it: hooks, leads. A name only: number.
   const auto& [queue_hook, deadline_hook, write_hook, number, owner, source, weight, job_class,
                sequence, deadline, transactions, current, leads, accepted_at, was_on_wire,
-               abandoned, passed_over, overtaken, probes_freely, accepted] = *job;
-  for (const bool flag :
-       {was_on_wire, abandoned, passed_over, overtaken, probes_freely, accepted}) {
+               abandoned, overtaken, probes_freely, accepted] = *job;
+  for (const bool flag : {was_on_wire, abandoned, overtaken, probes_freely, accepted}) {
     hash.add(flag);
   }
   hash.add(source);
@@ -192,8 +192,8 @@ void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& 
                stop_unanswered, stops_given_up, second_reported, misfit_reported, pause_reported,
                owed_until, asked_at, silence, times, second_at, second_read_at, setting, unreached,
                failed_stop] = entry;
-  read(health, entry.timing(), hash);
-  read(hold, entry.timing(), hash);
+  read(health, entry.in_force(), hash);
+  read(hold, entry.in_force(), hash);
   read(cache, device->cache, hash);
   hash.until(free_at);
   hash.name(probe);
@@ -202,7 +202,7 @@ void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& 
   hash.add(stops_given_up);
   if (sight.may_be_offline && health.is_offline()) {
     hash.since(health.probe_at(), kFarPast);
-    hash.since(health.wanted_at(), entry.timing().probe_interval);
+    hash.since(health.wanted_at(), entry.in_force().probe_interval);
   }
 }
 

@@ -48,10 +48,10 @@ void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Has
   [[maybe_unused]] auto& [door_settings, door_exchanges, door_rules, door_failsafe, door_sessions,
                           door_actions, limits, logins] = door;
   // Of the intake: the phase is as far as the gateway has come; counted or told only: counters,
-  // denials, unrouted_told. Dealt with: request. The same settings all the time: changed_at.
+  // denials, unrouted_reported. Dealt with: request. The same settings all the time: changed_at.
   // No rules: access.
   [[maybe_unused]] auto& [of_settings, of_rules, of_actions, phase, request, counters, access,
-                          denials, unrouted_told, changed_at] = intake;
+                          denials, unrouted_reported, changed_at] = intake;
   require(changed_at.empty(), "the settings stay the same");
   // Only with partial requests or idle timeouts: timers. As many as there are clients: on_listener,
   // addresses, free_keys. Counted only: of_listeners.

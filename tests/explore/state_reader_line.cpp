@@ -13,12 +13,12 @@ void StateReader::read(const bus::LineDiscipline& line, const Sight& sight, Hash
 
 void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Hash& hash) {
   // A setting: paced_setting. Counted, shown or told only:
-  // counters, draining, heard, heard_at, unpaced_told. Without a
+  // counters, draining, heard, heard_at, unpaced_reported. Without a
   // driver that holds something: unsent, is_answerless. Empty when the machine was asked for its
   // actions: faults, refused, end.
   const auto& [silence, paced_setting, paced, counters, faults, echo, framer, transaction,
                response_due, response_deadline, response_wait, owed, misfit, may_be_echo, refused,
-               draining, heard, heard_at, unpaced_told, unsent, is_answerless, end] = line;
+               draining, heard, heard_at, unpaced_reported, unsent, is_answerless, end] = line;
   // Settings: timing, frame_gap, turnaround, settle.
   const auto& [timing, frame_gap, turnaround, settle, quiet_since, busy_since, settling_until,
                listening_until, turnaround_until, emission_ends] = silence;
@@ -53,11 +53,11 @@ void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Ha
 }
 
 void StateReader::read(const bus::Echo& echo, bool is_running, Hash& hash) {
-  // A setting: learns. Told or counted only: counters, faults, unproven_told. `asked`, at
+  // A setting: learns. Told or counted only: counters, faults, unproven_reported. `asked`, at
   // `address`, is what the line asks, and is looked at only as long as it does, or if it is such a
   // read.
   const auto& [state, learns, counters, faults, address, asked, may_answer, expected, seen, owed,
-               due, held, echoed, heard, spoilt, passed, shown, lost, unproven_told] = echo;
+               due, held, echoed, heard, spoilt, passed, shown, lost, unproven_reported] = echo;
   require(!may_answer || !asked || !modbus::is_read(asked->bytes()),
           "no read looks like its own answer");
   hash.add(state);

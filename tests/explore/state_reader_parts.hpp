@@ -40,7 +40,7 @@ struct StateReader {
   static void read(const bus::DeviceHealth& health, const drive::DeviceTiming& timing, Hash& hash);
   static void read(const bus::Hold& hold, const drive::DeviceTiming& timing, Hash& hash);
   static void read(const bus::ReadCache& cache, Duration age, Hash& hash);
-  static void read(const bus::TurnBook& turns, const bus::BusSettings& settings, const Sight& sight,
+  static void read(const bus::LastSent& sent, const bus::BusSettings& settings, const Sight& sight,
                    Hash& hash);
   static void read(const bus::LinkState& link, Hash& hash);
   static void read(const bus::Transmission& transmission, const bus::DeviceTable& devices,

@@ -21,11 +21,11 @@ gateway::ClientId client_id(std::uint8_t client) { return gateway::ClientId{clie
 
 }  // namespace
 
-World::World(const Plant& plant, const Bounds& bounds, bool is_told)
+World::World(const Plant& plant, const Bounds& bounds, bool is_reported)
     : plant_(plant),
       bounds_(bounds),
       left_(bounds),
-      is_told_(is_told),
+      is_told_(is_reported),
       harness_(plant.settings, Instant{} + 1h),
       begun_(now() + kQuiet),
       oracle_(plant),

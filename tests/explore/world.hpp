@@ -57,7 +57,7 @@ struct Choice {
 
 class World {
  public:
-  World(const Plant& plant, const Bounds& bounds, bool is_told = false);
+  World(const Plant& plant, const Bounds& bounds, bool is_reported = false);
 
   /// What may happen now, in an order that depends on the state alone; nothing once something is
   /// violated.

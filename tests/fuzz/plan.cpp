@@ -190,13 +190,13 @@ void check_broadcast(const Scene& scene, const Plan& plan, const Request& reques
               "only the form that was addressed is sent");
     }
   }
-  for (const routing::Audience& audience : scene.resolved.audiences) {
-    for (const drive::Device* device : audience.devices) {
+  for (const routing::BusDevices& known : scene.resolved.devices_of_buses) {
+    for (const drive::Device* device : known.devices) {
       check_hearer(scene, *device, plan, request);
     }
-    if (audience.devices.empty()) {
+    if (known.devices.empty()) {
       drive::Device unknown;
-      unknown.bus = audience.bus;
+      unknown.bus = known.bus;
       unknown.word_order = scene.resolved.route.word_order;
       if (scene.devices.empty()) {
         check_hearer(scene, unknown, plan, request);

@@ -117,12 +117,12 @@ inline bool takes(const Scene& scene, const drive::Device& device, const modbus:
 
 /// Those on one bus that hear the request in this form, if it goes out in it at all.
 inline std::vector<const drive::Device*> hearers(const Scene& scene,
-                                                 const routing::Audience& audience,
+                                                 const routing::BusDevices& known,
                                                  BroadcastForm form,
                                                  const modbus::Request& request) {
   std::vector<const drive::Device*> found;
   bool any_meant = false;
-  for (const drive::Device* device : audience.devices) {
+  for (const drive::Device* device : known.devices) {
     const auto own = device->profile.broadcast.form;
     const bool hears = form == BroadcastForm{129, 0x80}
                            ? own == form && takes(scene, *device, request)
@@ -161,13 +161,12 @@ inline bool broadcast_may_be_refused(const Scene& scene, const modbus::Request& 
   }
   std::vector<const drive::Device*> all;
   bool goes_out = false;
-  for (const routing::Audience& audience : scene.resolved.audiences) {
+  for (const routing::BusDevices& known : scene.resolved.devices_of_buses) {
     for (const auto form : {BroadcastForm{}, BroadcastForm{129, 0x80}}) {
       if (scene.resolved.only_form.value_or(form) == form) {
-        const auto some = hearers(scene, audience, form, request);
+        const auto some = hearers(scene, known, form, request);
         all.insert(all.end(), some.begin(), some.end());
-        goes_out =
-            goes_out || !some.empty() || (audience.devices.empty() && form == BroadcastForm{});
+        goes_out = goes_out || !some.empty() || (known.devices.empty() && form == BroadcastForm{});
       }
     }
   }

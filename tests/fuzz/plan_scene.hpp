@@ -183,11 +183,11 @@ inline void read_broadcast(Script& script, Scene& scene) {
     resolved.route.buses.pop_back();
   }
   for (const drive::BusId bus : resolved.route.buses) {
-    auto& audience = resolved.audiences.emplace_back();
-    audience.bus = bus;
+    auto& known = resolved.devices_of_buses.emplace_back();
+    known.bus = bus;
     for (const drive::Device& device : scene.devices) {
       if (device.bus == bus) {
-        audience.devices.push_back(&device);
+        known.devices.push_back(&device);
       }
     }
   }

@@ -46,7 +46,7 @@ class ControlSocket(ControlCase):
         self.assertEqual([(it["subject"], it["finding"]) for it in diagnoses], [("device axis-x", "it has never answered")])
         shown = self.mbgatectl("status", "--control", self.plant.control)
         self.assertEqual(shown.returncode, 0, shown.stderr)
-        self.assertIn("NOT WELL\n  device axis-x: it has never answered\n", shown.stdout)
+        self.assertIn("FAULTS\n  device axis-x: it has never answered\n", shown.stdout)
         # The worst comes first.
         self.assertRegex(shown.stdout, r"DEVICE +BUS +ADDRESS +STATE .*\naxis-x +line-a +99 ")
 
@@ -55,7 +55,7 @@ class ControlSocket(ControlCase):
         self.assertEqual(shown.returncode, 0, shown.stderr)
         self.assertEqual(json.loads(shown.stdout).keys(), self.status().keys())
         text = self.mbgatectl("status", "--control", self.plant.control).stdout
-        self.assertIn("Nothing is known to be wrong.\n", text)
+        self.assertIn("No faults found.\n", text)
         self.assertRegex(text, r"\nline-b +\./line-b +9600 8E1 +open ")
 
     def test_a_reload_says_what_has_changed(self):

@@ -155,7 +155,7 @@ class Diagnosis(ControlCase):
             time.sleep(0.05)
         self.assertRegex(first["look_at"], look_at)
         because = rf"{re.escape(subject)}: {finding}\n      because: .+\n      look at: .*{look_at}"
-        self.wait_until_printed(f"NOT WELL\n  {because}", end)
+        self.wait_until_printed(f"FAULTS\n  {because}", end)
         self.wait_until_printed(rf'"diagnoses": ?\[\s*{{[^}}]*"subject": ?"{re.escape(subject)}"', end, "--json")
         return first
 

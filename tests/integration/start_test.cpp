@@ -207,9 +207,10 @@ TEST(Mbgated, RefusesABadConfigurationWithAllItsErrors) {
 
 TEST(Mbgated, ChecksTheShippedConfiguration) {
   TemporaryFolder folder;
-  Process gateway("mbgated", {"--check", "--config", MBGATE_SOURCE_DIR "/conf/mbgate.toml"},
+  Process gateway("mbgated", {"--check", "--config", MBGATE_SOURCE_DIR "/conf/etc/mbgate.toml"},
                   {folder.path(), {}});
   EXPECT_EQ(gateway.wait_for_exit(), 0) << gateway.output();
+  EXPECT_THAT(gateway.output(), testing::HasSubstr("warning: no [[bus]] is configured: "));
 }
 
 }  // namespace

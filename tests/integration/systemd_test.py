@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """What mbgated and systemd say to each other, with a stand-in for systemd: the watchdog, the sockets that are kept over
-a restart, a reload."""
+a restart, a reload, a start without a bus."""
 
 import array
 import os
@@ -9,12 +9,13 @@ import pathlib
 import re
 import signal
 import socket
+import subprocess
 import sys
 import tempfile
 import time
 import unittest
 
-from demo_plant import PATIENCE, Process
+from demo_plant import PATIENCE, Process, program
 
 # As systemd starts a process: with these sockets from descriptor 3 on.
 START = """
@@ -358,6 +359,35 @@ class Notifications(SystemdCase):
         self.configuration.write_text(text + "retries = 3\n", encoding="utf-8")
         self.systemd.wait_for("READY")
         gateway.wait_for("notice: reload: bus line-a: retries 1 -> 3$")
+
+
+class NotConfigured(SystemdCase):
+    """The configuration as the package ships it: nothing but comments."""
+
+    def configure(self, keys="", more=""):
+        shipped = (pathlib.Path(__file__).parents[2] / "conf/etc/mbgate.toml").read_text(encoding="utf-8")
+        self.configuration.write_text(f'{shipped}\n[http]\nsocket = "{self.folder}/control"\n', encoding="utf-8")
+
+    def test_starts_says_what_is_missing_and_can_be_asked(self):
+        gateway = self.start()
+        self.assertEqual("no [[bus]] is configured", self.systemd.wait_for("READY")["STATUS"])
+        asked = subprocess.run([program("mbgatectl"), "status", "--control", self.folder / "control"],
+                               check=False, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self.assertEqual(0, asked.returncode, asked.stdout)
+        self.assertIn("\nno [[bus]] is configured\n", asked.stdout)
+        self.end(gateway)
+        for missing in ("bus", "listen"):
+            said = [line for line in gateway.unseen() if f"warning: no [[{missing}]] is configured: " in line]
+            self.assertEqual(1, len(said), gateway.printed)
+
+    def test_takes_buses_by_a_reload_and_loses_its_last_one_by_none(self):
+        gateway = self.start_ready()
+        SystemdCase.configure(self)
+        self.assertRegex(self.reload(gateway)["STATUS"], "^1 listener, 0 of 1 bus open, ")
+        NotConfigured.configure(self)
+        self.assertRegex(self.reload(gateway)["STATUS"], "^the last reload was refused, see the journal; ")
+        gateway.wait_for(r"no \[\[bus\]\] is left: only a restart of mbgated takes all buses away")
+        self.end(gateway)
 
 
 if __name__ == "__main__":

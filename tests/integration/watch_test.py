@@ -97,13 +97,13 @@ class Watch(unittest.TestCase):
 
     def test_q_ends_the_screen(self):
         watch = self.on_terminal()
-        watch.wait_for("Nothing is known to be wrong")
+        watch.wait_for("No faults found")
         watch.type(b"q")
         self.assertEqual(watch.end(), 0)
 
     def test_ctrl_c_ends_the_screen(self):
         watch = self.on_terminal()
-        watch.wait_for("Nothing is known to be wrong")
+        watch.wait_for("No faults found")
         watch.type(b"\x03")
         self.assertEqual(watch.end(), 0)
 
@@ -117,7 +117,7 @@ class Watch(unittest.TestCase):
 
     def test_the_screen_goes_on_without_the_gateway(self):
         watch = self.on_terminal()
-        watch.wait_for("Nothing is known to be wrong")
+        watch.wait_for("No faults found")
         self.plant.end_gateway()
         watch.wait_for("there is no control socket at")
         self.assertIsNone(watch.process.poll())
@@ -126,7 +126,7 @@ class Watch(unittest.TestCase):
 
     def test_a_terminal_whose_cursor_cannot_be_moved_gets_blocks(self):
         watch = self.on_terminal(terminal="dumb")
-        watch.wait_for(r"(?s)Nothing is known to be wrong.*\r\n\r\n[0-9:.]+\r\nmbgated ")
+        watch.wait_for(r"(?s)No faults found.*\r\n\r\n[0-9:.]+\r\nmbgated ")
         watch.type(b"\x03")
         self.assertEqual(watch.end(), 0)
 
@@ -134,7 +134,7 @@ class Watch(unittest.TestCase):
         for ending in (signal.SIGINT, signal.SIGTERM):
             watch = self.into_pipe()
             lines = [watch.stdout.readline()]
-            while lines.count("Nothing is known to be wrong.\n") < 2:
+            while lines.count("No faults found.\n") < 2:
                 lines.append(watch.stdout.readline())
             watch.send_signal(ending)
             rest, errors = watch.communicate(timeout=PATIENCE)

@@ -78,8 +78,8 @@ void Judge::sent(Id id) {
     violation("unreadable", name(sent));
     return;
   }
-  const bool is_told = plan_.lines[sent.bus].tells_unsent && !plan_.is_tcp(sent.bus);
-  if (is_told && sent.station && sent.expects_answer) {
+  const bool is_reported = plan_.lines[sent.bus].tells_unsent && !plan_.is_tcp(sent.bus);
+  if (is_reported && sent.station && sent.expects_answer) {
     waits_[id] = longest_wait_of(*sent.station);
   }
   check_silence(id);

@@ -74,6 +74,7 @@ class Judge : public Witness {
   void check_failsafe_done();
 
   // truth_stops.cpp: a stop goes soon, and is repeated where its drive says "not now".
+  [[nodiscard]] bool follows_silence(const Sent& stop, Id id) const;
   void check_stop_time(Id id);
   void check_refused_stop(const Asked& asked);
 

@@ -70,24 +70,28 @@ bool RulesJudge::may_be_over(const Asked& asked) const {
   const Connection& connection = connection_of(asked);
   const auto& recent = recent_.at(connection.host);
   const unsigned most = plan_.settings.listeners[connection.listener].max_requests_per_second;
+  const auto& rated = asked.intent.rated;
   unsigned on_listener = 0;
-  std::map<std::size_t, unsigned> by_rules;
-  for (const Id id : recent) {
-    const Asked& other = ledger_.asked[id];
+  std::vector<unsigned> by_rules(rated.size());
+  for (auto id = recent.rbegin(); id != recent.rend(); ++id) {
+    const Asked& other = ledger_.asked[*id];
     if (ended(other) + 1s < asked.given) {
       continue;
     }
     on_listener += connection_of(other).listener == connection.listener ? 1U : 0U;
-    for (const std::size_t rule : asked.intent.rated) {
+    if (most > 0 && on_listener + 1 >= most) {
+      return true;
+    }
+    for (std::size_t at = 0; at < rated.size(); ++at) {
       const bool counts = other.intent.kind == Kind::broadcast || other.intent.refused ||
-                          std::ranges::count(other.intent.rated, rule) > 0;
-      by_rules[rule] += counts ? 1U : 0U;
+                          std::ranges::count(other.intent.rated, rated[at]) > 0;
+      by_rules[at] += counts ? 1U : 0U;
+      if (by_rules[at] + 1 >= plan_.rules[rated[at]].rate) {
+        return true;
+      }
     }
   }
-  return (most > 0 && on_listener + 1 >= most) ||
-         std::ranges::any_of(by_rules, [&](const auto& entry) {
-           return entry.second + 1 >= plan_.rules[entry.first].rate;
-         });
+  return false;
 }
 
 // A request may be divided into so many.
@@ -159,12 +163,14 @@ void RulesJudge::check_busy(const Asked& asked) {
   const bool stands_still = plan_.driver.stalls || plan_.driver.stops;
   const bool is_at_once = asked.answered == asked.given && asked.sent.empty() &&
                           (intent.codes >> kTryAgainLater & 1U) == 0;
-  if (!is_at_once || stands_still || may_be_over(asked) || may_be_full(asked)) {
+  const bool is_read = intent.kind == Kind::read;
+  if (!is_at_once || stands_still || may_be_full(asked) ||
+      (!is_read && may_not_be_written(asked)) || may_be_over(asked)) {
     return;
   }
-  if (intent.kind == Kind::read) {
+  if (is_read) {
     violation("busy_for_nothing", asked);
-  } else if (!may_not_be_written(asked)) {
+  } else {
     refused_behind_.insert(ledger_.last_sent[*intent.station].back());
   }
 }

@@ -14,6 +14,15 @@ namespace {
 constexpr std::uint32_t kTryAgain = 1U << 5U | 1U << 6U | 1U << 10U | 1U << 11U;
 }  // namespace
 
+// A stop to a drive that was silent to the last one may wait while lost time is paid back to
+// others, as often as they lose more.
+bool Judge::follows_silence(const Sent& stop, Id id) const {
+  const auto& all = ledger_.last_sent[*stop.station];
+  const auto last = std::find_if(all.rbegin(), all.rend(), [&](Id it) { return it != id; });
+  return last != all.rend() && ledger_.sent[*last].is_stop &&
+         ledger_.sent[*last].answered == kNever;
+}
+
 // From acceptance, or from when its line was there, to the wire; others that wait are counted.
 void Judge::check_stop_time(Id id) {
   const Sent& sent = ledger_.sent[id];
@@ -24,6 +33,9 @@ void Judge::check_stop_time(Id id) {
   const Asked& asked = ledger_.asked[sent.asked.front()];
   if (asked.sent.size() > 1 || asked.intent.kind != Kind::stop ||
       asked.intent.sent.empty() == asked.intent.whole) {
+    return;
+  }
+  if (follows_silence(sent, id)) {
     return;
   }
   const Instant from = std::max({asked.given, line.opened, ledger_.reloaded});

@@ -11,7 +11,7 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).parents[2]
-PROGRAMS = pathlib.Path(os.environ.get("MBGATE_PROGRAMS", ROOT / "build/asan/bin"))
+PROGRAMS = pathlib.Path(os.environ.get("MBGATE_PROGRAMS", ROOT / "build/asan/bin")).absolute()
 PAGES = {"mbgated": "mbgated.8", **{name: f"{name}.1" for name in ("mbgatectl", "mbgate-cert", "mbgate-sim", "mbgate-bench")}}
 NAMES = [name for name in PAGES if (PROGRAMS / name).exists()]
 
@@ -74,8 +74,9 @@ def bash(*words):
 
 
 def zsh(*words):
+    """Of each word only what stands behind its last slash is typed."""
     done = subprocess.run(["zsh", "-f", "-c", ZSH, "zsh", ROOT / "debian/completion/zsh/_mbgated", *words], check=False,
-                          capture_output=True, text=True, timeout=60)
+                          capture_output=True, text=True, timeout=60, cwd=ROOT / "conf")
     return {word for line in done.stdout.splitlines() for word in line.partition("offered: ")[2].split()}
 
 
@@ -104,6 +105,16 @@ class Bash(unittest.TestCase):
             (pathlib.Path(folder) / "plant.toml").touch()
             self.assertEqual([f"{folder}/plant.toml"], bash(str(PROGRAMS / "mbgated"), "--config", f"{folder}/pl"))
 
+    def test_offers_names_of_the_configuration(self):
+        ctl = str(PROGRAMS / "mbgatectl")
+        demo = ("--config", str(ROOT / "conf/demo.toml"))
+        self.assertEqual(["line-a", "line-b"], bash(ctl, "doctor", *demo, "--bus", ""))
+        self.assertEqual(["axis-x", "axis-y"], bash(ctl, "trace", *demo, "--device", "axis-"))
+        self.assertEqual(["demo"], bash(str(PROGRAMS / "mbgated"), *demo, "--listener", ""))
+
+    def test_offers_profiles(self):
+        self.assertEqual(["moons-m2", "moons-m3", "moons-mdx"], bash(str(PROGRAMS / "mbgatectl"), "profile", "moons-m"))
+
 
 class Zsh(unittest.TestCase):
     def test_offers_each_option(self):
@@ -111,6 +122,14 @@ class Zsh(unittest.TestCase):
             self.skipTest("zsh is not installed")
         for words, text in calls():
             self.assertEqual(options_in(text), {word for word in zsh(*words, "--") if word.startswith("--")}, words)
+
+    def test_offers_names_of_the_configuration_and_profiles(self):
+        if shutil.which("zsh") is None:
+            self.skipTest("zsh is not installed")
+        ctl, demo = str(PROGRAMS / "mbgatectl"), ("--config", "demo.toml")
+        self.assertEqual({"line-a", "line-b"}, zsh(ctl, "doctor", *demo, "--bus", ""))
+        self.assertEqual({"axis-x", "axis-y"}, zsh(ctl, "trace", *demo, "--device", "axis-"))
+        self.assertLess({"moons-m2", "moons-m3", "moons-mdx"}, zsh(ctl, "profile", "moons-"))
 
 
 class ManualPages(unittest.TestCase):

@@ -48,7 +48,7 @@ class Documents(unittest.TestCase):
         self.assertEqual(0, done.returncode, done.stdout)
 
     def test_still_link_to_what_is(self):
-        for document, links in (("README.md", ("(/etc/mbgate/mbgate.toml)", "(examples)", "(copyright)", "(bench/README.md)",
+        for document, links in (("README.md", ("(mbgate.toml)", "(examples)", "(copyright)", "(bench/README.md)",
                                                "(docs/behaviour.md)")),
                                 ("docs/installing.md", ("(../examples/demo.toml)", "(../README.md#two-drives-on-a-usb-adapter)")),
                                 ("docs/drives.md", ("(../profiles/README.md)",)),

@@ -71,5 +71,15 @@ class SourceDocuments(unittest.TestCase):
         self.assertEqual([], wrong)
 
 
+class Version(unittest.TestCase):
+    def test_is_the_same_everywhere(self):
+        version = re.search(r"project\(mbgate VERSION (\S+)", text_of("CMakeLists.txt")).group(1)
+        self.assertTrue(text_of("debian/changelog").startswith(f"mbgate ({version}) "))
+        self.assertTrue(text_of("debian/NEWS").startswith(f"mbgate ({version}) "))
+        self.assertIn(f"\n## [{version}]", text_of("CHANGELOG.md"))
+        for page in (ROOT / "debian/man").glob("*.[158]"):
+            self.assertIn(f'"mbgate {version}"', page.read_text(encoding="utf-8"), page.name)
+
+
 if __name__ == "__main__":
     unittest.main()

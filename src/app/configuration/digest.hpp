@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which configuration it is: the SHA-256 of its files, so that an operator can tell whether what is
-// in force is what lies on the disk, or what was released.
+// The SHA-256 of the configuration's files, by which an operator can tell whether the settings in
+// force are those on the disk.
 #pragma once
 
 #include <string>

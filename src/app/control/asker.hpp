@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who has connected to the HTTP interface, and how often somebody may change something.
+// The user or address that has connected to the HTTP interface, and a limit on how often it may
+// change something.
 #pragma once
 
 #include <chrono>

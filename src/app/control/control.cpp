@@ -59,13 +59,13 @@ void Control::begin() {
   home_ = std::make_shared<boost::asio::io_context>(1);
   // By the clock, so that the numbers of an earlier process are smaller.
   using std::chrono::milliseconds;
-  told_ = static_cast<std::uint64_t>(
+  reported_ = static_cast<std::uint64_t>(
       std::chrono::duration_cast<milliseconds>(std::chrono::system_clock::now().time_since_epoch())
           .count());
   const auto set_traced = [this](bool on) {
     boost::asio::post(gateway_, [this, on] { feed_.set_on(on); });
   };
-  server_ = std::make_unique<ControlServer>(home_, gateway_, target_, told_, set_traced);
+  server_ = std::make_unique<ControlServer>(home_, gateway_, target_, reported_, set_traced);
   server_->apply(settings_);
   server_->doors().set_end(end_);
   work_.emplace(home_->get_executor());
@@ -137,9 +137,9 @@ void Control::leave(gateway::ListenerId id) {
   }
 }
 
-void Control::see_out(gateway::ListenerId id) {
+void Control::close_clients(gateway::ListenerId id) {
   if (server_ != nullptr) {
-    boost::asio::post(*home_, [this, id] { server_->doors().see_out(id); });
+    boost::asio::post(*home_, [this, id] { server_->doors().close_clients(id); });
   }
 }
 
@@ -155,7 +155,7 @@ void Control::tell(Level level, const std::string& text) {
   if (server_ == nullptr) {
     return;
   }
-  const std::uint64_t id = ++told_;
+  const std::uint64_t id = ++reported_;
   if (waiting_ >= kKeptEvents) {
     return;  // readers see by the numbers that it is missing
   }

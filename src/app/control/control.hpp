@@ -46,9 +46,9 @@ class Control {
   std::string listen_at(const std::string& path);
   /// Takes this listening socket over. Returns why not, or nothing.
   std::string listen_on(gateway::ListenerId id, boost::asio::ip::tcp::acceptor acceptor);
-  /// Closes the sockets of this number, soon. Who has connected there stays, until see_out().
+  /// Closes the sockets of this number, soon. Who has connected there stays, until close_clients().
   void leave(gateway::ListenerId id);
-  void see_out(gateway::ListenerId id);
+  void close_clients(gateway::ListenerId id);
   /// Calls this on the gateway's thread when all that was left is closed.
   void when_left(const std::function<void()>& then);
   /// A line that the journal gets, for those who read along. To be called on the gateway's thread,
@@ -74,7 +74,7 @@ class Control {
   std::string path_;
   dev_t device_ = 0;  ///< of the socket in the file system
   ino_t inode_ = 0;
-  std::uint64_t told_ = 0;                ///< lines, also those that were dropped
+  std::uint64_t reported_ = 0;            ///< lines, also those that were dropped
   std::atomic<std::size_t> waiting_ = 0;  ///< lines that the server's thread has not taken yet
   std::atomic<std::size_t> batches_ = 0;  ///< of the trace, not taken yet either
   TraceFeed feed_;

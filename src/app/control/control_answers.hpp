@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pieces of which requests to the HTTP interface and their answers are made.
+// The types of requests to the HTTP interface and of their answers.
 #pragma once
 
 #include <boost/beast/http/message.hpp>

@@ -36,8 +36,8 @@ constexpr std::chrono::seconds kAcceptPause{1};
 constexpr int kForOperators = 16;
 /// Of the connections over one kind of socket, a client (an address, or a user) may have these.
 constexpr std::size_t kMostOfOne = gateway::kHttpConnections / 4;
-/// Whoever comes from more addresses than these is told of again.
-constexpr std::size_t kMostTold = 1000;
+/// After this many refused addresses the list begins anew, and one may be reported again.
+constexpr std::size_t kMostReported = 1000;
 
 /// False for want of memory: the next one may find some.
 template <typename Socket>
@@ -104,8 +104,8 @@ void ControlDoors::close(routing::ListenerId id) {
   tcp_.erase(first, last);
 }
 
-void ControlDoors::see_out(routing::ListenerId id) {
-  close_if([id](const Guest& guest) { return guest.door == id; });
+void ControlDoors::close_clients(routing::ListenerId id) {
+  close_if([id](const Connection& connection) { return connection.door == id; });
 }
 
 void ControlDoors::allow(routing::NetworkList networks) {
@@ -113,15 +113,16 @@ void ControlDoors::allow(routing::NetworkList networks) {
     return;
   }
   allowed_ = std::move(networks);
-  told_.clear();
-  close_if([this](const Guest& guest) { return !contains(allowed_, guest.address); });
+  reported_.clear();
+  close_if(
+      [this](const Connection& connection) { return !contains(allowed_, connection.address); });
 }
 
 // What a connection waits for ends then, and it with that.
-void ControlDoors::close_if(const std::function<bool(const Guest&)>& unwanted) {
-  for (const Guest& guest : guests_) {
-    const auto stream = guest.stream.lock();
-    if (stream && unwanted(guest)) {
+void ControlDoors::close_if(const std::function<bool(const Connection&)>& unwanted) {
+  for (const Connection& connection : connections_) {
+    const auto stream = connection.stream.lock();
+    if (stream && unwanted(connection)) {
       stream->close();
     }
   }
@@ -158,8 +159,9 @@ void ControlDoors::let_in(ListenerId door, tcp::socket socket) {
   }
   const ClientAddress address = address_of(peer);
   if (contains(allowed_, address)) {
-    std::erase_if(guests_, [](const Guest& guest) { return guest.stream.expired(); });
-    guests_.push_back(
+    std::erase_if(connections_,
+                  [](const Connection& connection) { return connection.stream.expired(); });
+    connections_.push_back(
         {door, address, enter(ControlStream(std::move(socket)), true, asker_of(address))});
   } else {
     refuse(std::move(socket), address);
@@ -189,10 +191,10 @@ void ControlDoors::refuse(tcp::socket socket, const ClientAddress& address) {
   boost::system::error_code ignored;
   socket.send(asio::buffer(kForbidden), 0, ignored);  // a new connection has room for it
   socket.shutdown(tcp::socket::shutdown_send, ignored);
-  if (told_.size() >= kMostTold) {
-    told_.clear();
+  if (reported_.size() >= kMostReported) {
+    reported_.clear();
   }
-  if (told_.insert(address).second) {
+  if (reported_.insert(address).second) {
     refused_(address.to_text());
   }
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where clients of the HTTP interface come in: the Unix socket, and TCP addresses for those whom
-// [http] allow names. The ones have places apart from the others', so that a network keeps nobody
-// from the Unix socket. A reload closes the connections over TCP that it would not let in. Used on
-// the thread of the interface alone, but for its construction.
+// Accepts clients of the HTTP interface: on the Unix socket, and over TCP those that [http] allow
+// names. Each kind of socket has a limit of its own, so that clients over the network cannot keep
+// anybody from the Unix socket. A reload closes the TCP connections that it no longer allows. Used
+// only on the thread of the interface, except for its construction.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -29,7 +29,7 @@ namespace mbgate::app {
 
 class ControlDoors {
  public:
-  /// `place` is to be held as long as it is a connection, and told what that does.
+  /// Keep `place` as long as the connection exists, and tell it what the connection does.
   struct Entered {
     std::shared_ptr<ControlStream> stream;
     bool over_tcp = false;
@@ -37,7 +37,7 @@ class ControlDoors {
     std::shared_ptr<HttpPlaces::Place> place;
   };
   using Enter = std::function<void(Entered)>;
-  /// Told of an address that may not connect, once.
+  /// Called once for each address that may not connect.
   using Refused = std::function<void(const std::string& address)>;
   using UnixAcceptor = std::shared_ptr<boost::asio::local::stream_protocol::acceptor>;
   using TcpAcceptor = std::shared_ptr<boost::asio::ip::tcp::acceptor>;
@@ -50,7 +50,7 @@ class ControlDoors {
   /// Those of that number; who has entered there stays.
   void close(routing::ListenerId id);
   /// Closes the connections of that number.
-  void see_out(routing::ListenerId id);
+  void close_clients(routing::ListenerId id);
   /// Closes the connections of all others.
   void allow(routing::NetworkList networks);
   /// The first descriptor that no client over TCP may have.
@@ -58,7 +58,7 @@ class ControlDoors {
 
  private:
   /// A connection over TCP, as long as it is one.
-  struct Guest {
+  struct Connection {
     routing::ListenerId door;
     routing::ClientAddress address;
     std::weak_ptr<ControlStream> stream;
@@ -69,7 +69,7 @@ class ControlDoors {
                                       int kept_back);
   void let_in(routing::ListenerId door, boost::asio::ip::tcp::socket socket);
   std::weak_ptr<ControlStream> enter(ControlStream stream, bool over_tcp, Asker asker);
-  void close_if(const std::function<bool(const Guest&)>& unwanted);
+  void close_if(const std::function<bool(const Connection&)>& unwanted);
   void refuse(boost::asio::ip::tcp::socket socket, const routing::ClientAddress& address);
 
   std::shared_ptr<boost::asio::io_context> home_;
@@ -77,11 +77,11 @@ class ControlDoors {
   Refused refused_;
   int end_ = std::numeric_limits<int>::max();
   routing::NetworkList allowed_;
-  std::vector<Guest> guests_;
+  std::vector<Connection> connections_;
   std::multimap<routing::ListenerId, TcpAcceptor> tcp_;
   HttpPlaces of_unix_;
   HttpPlaces of_tcp_;
-  std::set<routing::ClientAddress> told_;  ///< addresses that refused_ was told of
+  std::set<routing::ClientAddress> reported_;  ///< addresses that refused_ was called for
 };
 
 // The socket that mbgatectl talks to: a Unix socket in the file system, which its owner and group

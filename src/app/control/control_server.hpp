@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Answers the requests of the HTTP interface. Used on its thread alone, but for its construction.
+// Answers the requests of the HTTP interface. Used only on its own thread, except for its
+// construction.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -91,7 +92,8 @@ class ControlServer {
   std::optional<std::chrono::steady_clock::time_point> last_at_;
 };
 
-// A question from one thread to another: who asks waits in a coroutine, for so long at most.
+// A question from one thread to another. The coroutine that asks waits for the answer, up to a
+// limit.
 
 /// `home` is the context of the thread that asks.
 template <typename Value>

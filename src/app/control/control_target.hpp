@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the gateway's thread answers to those who ask over the control socket.
+// The questions and commands of the control socket that the gateway's thread answers.
 #pragma once
 
 #include <functional>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The clients that read along what the journal gets. All of this is used on the thread of the
-// HTTP interface alone.
+// The clients that follow the journal. Used only on the thread of the HTTP interface.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -56,8 +55,8 @@ class EventStreams {
   Ring<JournalEvent> ring_{kKeptEvents};
 };
 
-// Events as they go out: server-sent events (text/event-stream, in the HTML standard), with data in
-// JSON (docs/api.yaml).
+// Events as text: server-sent events (text/event-stream, in the HTML standard), with data in JSON
+// (docs/api.yaml).
 
 /// "id: 7", "event: journal" and "data: {...}", a line each, and the empty line that ends it.
 std::string event_text(const JournalEvent& event);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places for connections to the HTTP interface over one kind of socket. Whoever comes gets one, as
-// long as not all are in the midst of a command: who has the most of them gives one up, first one
-// for whose client has been waited the longest. So a client that opens connections without end
-// takes them from itself. Pure but for the clock: what a connection is, others know.
+// Limits the connections to the HTTP interface over one kind of socket. A new connection is
+// accepted unless every other one is in the middle of a command: the client with the most
+// connections loses one, first the one for whose client the interface has waited longest. So a
+// client that opens connections without end only closes its own. Pure but for the clock; it knows
+// nothing of sockets.
 #pragma once
 
 #include <chrono>

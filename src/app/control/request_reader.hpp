@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Requests as they come in on one connection, within bounds: whatever a client sends without an end
-// is ended here, and takes no more memory than kMostHeld. No request here needs a body; a short one
-// is read and not looked at, because some clients send "{}".
+// Reads the requests of one connection within bounds: a request that does not end is refused, and
+// none takes more memory than kMostHeld. No request needs a body; a short one is read and ignored,
+// because some clients send "{}".
 #pragma once
 
 #include <boost/asio/awaitable.hpp>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clients that follow something without an end, as server-sent events. Used on the thread of the
-// HTTP interface alone.
+// The clients of a stream of server-sent events. Used only on the thread of the HTTP interface.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +20,7 @@
 
 namespace mbgate::app {
 
-// A client's connection to the HTTP interface, be it over the Unix socket or over TCP.
+// A client's connection to the HTTP interface, over the Unix socket or over TCP.
 
 using ControlStream = boost::beast::basic_stream<boost::asio::generic::stream_protocol>;
 
@@ -97,8 +96,8 @@ class StreamReaders {
   std::vector<std::weak_ptr<Reader>> readers_;  ///< feed() has them
 };
 
-// Places for clients that follow something without an end, whatever it is: each costs a descriptor
-// as long as it reads. A quarter of them, and one at least, is for the Unix socket alone, so that
+// Limits the clients that follow a stream, events or the trace: each holds a descriptor as long as
+// it reads. A quarter of the places, and at least one, is reserved for the Unix socket, so that
 // readers over a network keep no operator out.
 
 /// One of something that is counted, as long as it is there.

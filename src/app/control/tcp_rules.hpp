@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What may be asked over TCP: there the interface only reads, and only for those who mean this
-// machine. A page from elsewhere that a browser shows could otherwise have its own name lead here
-// (DNS rebinding), and read along. Nor does a page from elsewhere get anything where its browser
-// says so (Origin), over either kind of socket.
+// Which requests are allowed over TCP: only reads, and only those whose Host names this machine.
+// Otherwise a foreign web page could point its own name here (DNS rebinding) and read the status. A
+// request that a browser marks as that of a foreign page (Origin) is refused on either kind of
+// socket.
 #pragma once
 
 #include <boost/beast/http/message.hpp>

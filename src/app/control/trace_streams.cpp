@@ -17,22 +17,23 @@ constexpr std::size_t kPiece = 65536;
 
 }  // namespace
 
-TraceStreams::TraceStreams(Switch set_traced) { audience_->set_traced = std::move(set_traced); }
+TraceStreams::TraceStreams(Switch set_traced) { subscribers_->set_traced = std::move(set_traced); }
 
-TraceStreams::Seat::Seat(std::shared_ptr<Audience> audience) : audience_(std::move(audience)) {
-  if (audience_->size++ == 0) {
-    audience_->set_traced(true);
+TraceStreams::Subscription::Subscription(std::shared_ptr<Subscribers> subscribers)
+    : subscribers_(std::move(subscribers)) {
+  if (subscribers_->size++ == 0) {
+    subscribers_->set_traced(true);
   }
 }
 
-TraceStreams::Seat::~Seat() {
-  if (--audience_->size == 0) {
-    audience_->set_traced(false);
+TraceStreams::Subscription::~Subscription() {
+  if (--subscribers_->size == 0) {
+    subscribers_->set_traced(false);
   }
 }
 
 void TraceStreams::add(TraceBatch batch) {
-  if (audience_->size == 0) {
+  if (subscribers_->size == 0) {
     return;  // it was on its way when the last one left
   }
   numbered_ += batch.taken.lost;
@@ -55,14 +56,14 @@ Result<TraceFilter, Refusal> TraceStreams::begin(std::string_view query) {
 
 boost::asio::awaitable<void> TraceStreams::feed(ControlStream& stream, TraceFilter filter,
                                                 std::function<std::string()> beside) {
-  const Seat seat(audience_);
+  const Subscription subscription(subscribers_);
   std::function<std::string()> next = [this, filter = std::move(filter), last = numbered_,
                                        beside = std::move(beside)]() mutable {
     std::string text = beside ? beside() : "";
     return text += next_text(filter, last);
   };
   co_await readers_.feed(stream, std::move(next));
-  if (audience_->size == 1) {
+  if (subscribers_->size == 1) {
     ring_.clear();  // nobody else reads
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The clients that read the trace. Used on the thread of the HTTP interface alone.
+// The clients that read the trace. Used only on the thread of the HTTP interface.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -22,8 +22,8 @@
 
 namespace mbgate::app {
 
-// Brings the trace from the gateway's thread to that of the HTTP interface, some times a second,
-// while somebody reads it. Used on the gateway's thread alone.
+// Brings the trace from the gateway's thread to that of the HTTP interface, several times a second,
+// while somebody reads it. Used only on the gateway's thread.
 
 /// Records that go over together.
 struct TraceBatch {
@@ -69,7 +69,7 @@ inline constexpr std::size_t kKeptTraceBytes = 8U << 20U;
 
 class TraceStreams {
  public:
-  /// Told when the first one comes and when the last one has gone; perhaps after this object has.
+  /// Called when the first one comes and when the last one has gone, perhaps after this object.
   using Switch = std::function<void(bool)>;
 
   explicit TraceStreams(Switch set_traced);
@@ -86,28 +86,28 @@ class TraceStreams {
                                     std::function<std::string()> beside);
 
  private:
-  /// How many there are, and who is told of it.
-  struct Audience {
+  /// How many there are, and what is called when the first comes and the last has gone.
+  struct Subscribers {
     std::size_t size = 0;
     Switch set_traced;
   };
   /// One of them, as long as it is there.
-  class Seat {
+  class Subscription {
    public:
-    explicit Seat(std::shared_ptr<Audience> audience);
-    Seat(const Seat&) = delete;
-    Seat& operator=(const Seat&) = delete;
-    ~Seat();
+    explicit Subscription(std::shared_ptr<Subscribers> subscribers);
+    Subscription(const Subscription&) = delete;
+    Subscription& operator=(const Subscription&) = delete;
+    ~Subscription();
 
    private:
-    std::shared_ptr<Audience> audience_;
+    std::shared_ptr<Subscribers> subscribers_;
   };
 
   /// What is to be sent after the record `last`, which moves on; nothing if it is still to come.
   std::string next_text(const TraceFilter& filter, std::uint64_t& last) const;
 
   StreamReaders readers_;
-  std::shared_ptr<Audience> audience_ = std::make_shared<Audience>();
+  std::shared_ptr<Subscribers> subscribers_ = std::make_shared<Subscribers>();
   Ring<TraceItem> ring_{kKeptTraceBytes};
   std::uint64_t numbered_ = 0;  ///< records, also those that were lost
 };

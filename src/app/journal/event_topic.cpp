@@ -209,16 +209,17 @@ namespace {
 template <typename Kind, typename... Kinds>
 constexpr bool kIsOneOf = (std::is_same_v<Kind, Kinds> || ...);
 
-Level level_of(const gateway::Event& event) {
-  return std::visit(
-      [](const auto& value) {
-        using Kind = std::decay_t<decltype(value)>;
-        constexpr bool kOrdinary = kIsOneOf<Kind, gateway::BusOpened, gateway::ClientDisplaced,
-                                            gateway::ClientFrameTimedOut, gateway::WriteAccepted,
-                                            gateway::CountersCleared, gateway::ClientLoggedIn>;
-        return kOrdinary ? Level::notice : Level::warning;
-      },
-      event);
+/// A device, a line or an adapter that is well again, or an echo that was found or has gone.
+bool is_recovery(const gateway::Event& event) {
+  if (const auto* const device = std::get_if<gateway::DeviceNews>(&event)) {
+    return device->notice.kind == bus::DeviceNotice::Kind::back;
+  }
+  if (const auto* const line = std::get_if<gateway::LineNews>(&event)) {
+    return line->fault == bus::LineFault::echo_found || line->fault == bus::LineFault::echo_gone;
+  }
+  const auto* const quality = std::get_if<gateway::QualityNews>(&event);
+  return quality != nullptr && (quality->notice.verdict.quality == bus::Quality::good ||
+                                quality->notice.verdict.quality == bus::Quality::unknown);
 }
 
 /// Events of one kind at one place share a rate limit: a bus that flaps must not hide another.
@@ -246,6 +247,17 @@ bool is_limited_already(const gateway::Event& event) {
 }
 
 }  // namespace
+
+Level level_of(const gateway::Event& event) {
+  const bool is_ordinary = std::visit(
+      [](const auto& value) {
+        return kIsOneOf<std::decay_t<decltype(value)>, gateway::BusOpened, gateway::ClientDisplaced,
+                        gateway::ClientFrameTimedOut, gateway::WriteAccepted,
+                        gateway::CountersCleared, gateway::ClientLoggedIn>;
+      },
+      event);
+  return is_ordinary || is_recovery(event) ? Level::notice : Level::warning;
+}
 
 void write_event(Log& log, const gateway::Event& event, const gateway::Settings& settings) {
   const std::string text = to_text(event, settings);

@@ -12,7 +12,10 @@ namespace mbgate::app {
 /// The names are taken from the settings.
 Topic topic_of(const gateway::Event& event, const gateway::Settings& settings);
 
-// An event of the machine as a line of the log: how important it is, and how often it is written.
+/// A notice is an ordinary event or a recovery; a warning is for somebody to look at.
+Level level_of(const gateway::Event& event);
+
+// An event of the machine as a line of the log, and how often it is written.
 
 /// The names are taken from the settings. What the machine itself limits, or must not be left out,
 /// is written however often it comes; the rest ten times a minute for each kind and place.

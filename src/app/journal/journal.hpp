@@ -18,8 +18,8 @@ bool is_standard_error_the_journal();
 /// journal to take it.
 bool send_to_journal(const std::vector<std::string>& fields);
 
-// An entry of the journal as its fields: what `journalctl MBGATE_BUS=axes` and `journalctl -x` go
-// by.
+// An entry of the journal as its fields, which `journalctl MBGATE_BUS=axes` and `journalctl -x`
+// use.
 
 /// The numbers are those of syslog(3).
 enum class Level : std::uint8_t { error = 3, warning = 4, notice = 5, info = 6 };

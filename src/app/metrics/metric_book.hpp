@@ -52,7 +52,7 @@ class MetricBook {
   std::map<std::string, std::size_t> places_;
 };
 
-/// Why the gateway itself answers with an exception: one reason a code.
+/// Why the gateway itself answers with an exception: one reason for each code.
 struct ExceptionReason {
   std::uint8_t code;
   const char* digits;

@@ -41,7 +41,7 @@ void add_process(MetricBook& book, const gateway::StatusReport& report,
           {{"tls", certificate.name}}, seconds(*certificate.crl_ends));
     }
   }
-  book.gauge({"mbgate_diagnoses", "What is not well at present: see mbgatectl status."}, {},
+  book.gauge({"mbgate_diagnoses", "Faults found at present: see mbgatectl status."}, {},
              gateway::diagnose(report).size());
   book.counter({"mbgate_foreign_adus_total", "Skipped ADUs of other protocols than Modbus."}, {},
                report.counters.foreign_adus);

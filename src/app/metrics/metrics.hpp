@@ -17,7 +17,8 @@
 
 namespace mbgate::app {
 
-// What the process knows beside the machine.
+// What the process reports in addition to the machine's status: version, configuration,
+// certificates.
 
 /// Of a [[tls]] in use.
 struct CertificateStatus {

@@ -14,7 +14,7 @@ export function element(tag, attributes = {}, ...children) {
   return made;
 }
 
-/** Only where it is another one: a screen reader is not told of what stays. */
+/** Only where it is another one: a screen reader does not repeat what stays. */
 export function setText(node, text) {
   if (node.textContent !== text) {
     node.textContent = text;

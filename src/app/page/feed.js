@@ -9,9 +9,9 @@ const LIMIT = 3000;  // ms: mbgated itself says after one second that the gatewa
 const AGAIN = 3000;  // ms, after the stream has failed
 
 export class Feed {
-  /** `told`: { status(json, age), silent(why), record(kind, json), line(id, json), lost(count), gap(), stream(isOpen) } */
-  constructor(told) {
-    this.told = told;
+  /** `observer`: { status(json, age), silent(why), record(kind, json), line(id, json), lost(count), gap(), stream(isOpen) } */
+  constructor(observer) {
+    this.observer = observer;
     document.addEventListener("visibilitychange", () => this.follow());
     window.addEventListener("pagehide", () => this.stop());
     window.addEventListener("pageshow", () => this.follow());
@@ -22,7 +22,7 @@ export class Feed {
     if (document.hidden) {
       this.stop();
     } else if (!this.aborter) {
-      this.told.gap();
+      this.observer.gap();
       this.aborter = new AbortController();
       this.ask(this.aborter.signal);
       this.listen();
@@ -48,13 +48,13 @@ export class Feed {
       const response = await fetch(STATUS, { cache: "no-store", signal: own.signal });
       const json = await response.json();
       if (response.ok) {
-        this.told.status(json);
+        this.observer.status(json);
       } else {
-        this.told.silent(json.error ?? `HTTP ${response.status}`);
+        this.observer.silent(json.error ?? `HTTP ${response.status}`);
       }
     } catch (error) {
       if (!signal.aborted) {
-        this.told.silent(own.signal.aborted ? "mbgated does not answer" : "mbgated cannot be reached");
+        this.observer.silent(own.signal.aborted ? "mbgated does not answer" : "mbgated cannot be reached");
       }
     }
     clearTimeout(timer);
@@ -68,14 +68,14 @@ export class Feed {
     const stream = new EventSource(STREAM);
     this.stream = stream;
     for (const kind of ["transaction", "frame", "heard"]) {
-      stream.addEventListener(kind, (event) => this.told.record(kind, JSON.parse(event.data)));
+      stream.addEventListener(kind, (event) => this.observer.record(kind, JSON.parse(event.data)));
     }
-    stream.addEventListener("journal", (event) => this.told.line(event.lastEventId, JSON.parse(event.data)));
-    stream.addEventListener("lost", (event) => this.told.lost(JSON.parse(event.data).lost));
-    stream.addEventListener("open", () => this.told.stream(true));
+    stream.addEventListener("journal", (event) => this.observer.line(event.lastEventId, JSON.parse(event.data)));
+    stream.addEventListener("lost", (event) => this.observer.lost(JSON.parse(event.data).lost));
+    stream.addEventListener("open", () => this.observer.stream(true));
     stream.addEventListener("error", () => {
       stream.close();  // its own way of trying again gives up after an answer like 503
-      this.told.stream(false);
+      this.observer.stream(false);
       if (this.stream === stream) {
         this.again = setTimeout(() => this.listen(), AGAIN);
       }

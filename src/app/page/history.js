@@ -8,7 +8,7 @@ export const PLOTTED = 120e6;  // microseconds: two minutes
 export const DRAWN = 60e6;  // of the lines
 const MOST_WIRES = 6000;  // of a line
 export const MOST_POINTS = 3000;  // of a device: less than two minutes of one that answers more than 25 times a second
-const RECENT = 10e6;  // what was told within this, or twice this, says how the clocks are to each other
+const RECENT = 10e6;  // records of the last this, or twice this, say how far the clocks are apart
 const SET_BACK = 1e6;  // so much less is no drift
 
 /** Microseconds since the page was opened, by the clock of the browser. */
@@ -47,7 +47,7 @@ export class History {
     }
   }
 
-  /** The instant at mbgated, as far as it is known: what it has told took a moment to come here. */
+  /** The instant at mbgated, as far as it is known: what it has sent took a moment to come here. */
   now() {
     return Math.round(here() + (this.ahead === -Infinity ? performance.timeOrigin * 1000 : this.ahead));
   }
@@ -74,7 +74,7 @@ export class History {
     return true;
   }
 
-  /** What is told comes late, never early. But clocks drift, and mbgated's may be set: the most of the last seconds counts. */
+  /** A record comes late, never early. But clocks drift, and mbgated's may be set: the most of the last seconds counts. */
   noteClock(seen) {
     const age = here() - this.lately.since;
     if (age >= RECENT) {

@@ -112,7 +112,7 @@ export class Overview {
   show(status) {
     const of = (subject) => status.diagnoses.filter((it) => it.subject === subject);
     this.findings.show(status.diagnoses);
-    setText(byId("no-findings"), status.diagnoses.length > 0 ? "The worst first." : "✓ Nothing is known to be wrong.");
+    setText(byId("no-findings"), status.diagnoses.length > 0 ? "The worst first." : "✓ No faults found.");
     this.buses.show(status.buses.map((bus) => (
       { bus, diagnoses: of(`bus ${bus.name}`), devices: status.devices.filter((device) => device.bus === bus.name) })));
     this.devices.show(status.devices.map((device) => (

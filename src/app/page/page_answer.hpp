@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The status page over HTTP: its files, and what a browser is told of how to take them. The page
-// reads docs/api.yaml as any other client does; nothing of it is made here.
+// Serves the files of the status page over HTTP, with headers that tell a browser what the page may
+// do. The page uses the interface of docs/api.yaml as any other client does.
 #pragma once
 
 #include <boost/beast/http/message.hpp>

@@ -27,7 +27,8 @@ class Certificates {
   void tell_refusal(const std::string& listener, const io::TlsPlace& place, const std::string& why);
   /// What a reload changes by reading files anew whose names are the same, for the journal. A line
   /// for each [[tls]] that is in both: "[[tls]] plant: crl 2026-11-27 ..., 2 revoked, 1A:... ->
-  /// 2026-11-28 ..., 3 revoked, 9F:...". Those of one alone are told with their listeners.
+  /// 2026-11-28 ..., 3 revoked, 9F:...". One that is in either alone is reported with its
+  /// listeners.
   [[nodiscard]] std::vector<std::string> changes(const io::TlsContexts& next) const;
   [[nodiscard]] std::vector<CertificateStatus> status() const;
   /// Since the start, by listener.

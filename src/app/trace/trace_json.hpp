@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A trace as it goes out: in JSON (docs/api.yaml).
+// A trace as JSON (docs/api.yaml).
 #pragma once
 
 #include <boost/json/object.hpp>

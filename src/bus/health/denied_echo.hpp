@@ -14,7 +14,7 @@ class DeniedEcho {
   void open() {
     is_heard_ = false;
     in_row_ = 0;
-    told_ = false;
+    reported_ = false;
   }
   /// What was just sent was heard. True: that proves an echo, and was not told yet.
   bool note_heard(Instant now) {
@@ -26,7 +26,7 @@ class DeniedEcho {
     if (!is_found()) {
       in_row_ = is_soon ? in_row_ + 1 : 1;
     }
-    return is_found() && !std::exchange(told_, true);
+    return is_found() && !std::exchange(reported_, true);
   }
   /// A transmission has ended. A read that was answered without its echo shows that there is none.
   void note_ended(bool is_answered_read) {
@@ -45,7 +45,7 @@ class DeniedEcho {
   bool is_heard_ = false;  // since the last transmission ended
   unsigned in_row_ = 0;
   Instant last_ = Instant::min();
-  bool told_ = false;
+  bool reported_ = false;
 };
 
 }  // namespace mbgate::bus

@@ -6,11 +6,42 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
+#include <utility>
 
-#include "bus/health/device_state.hpp"
 #include "bus/instant.hpp"
 
 namespace mbgate::bus {
+
+// How a device is, and since when, as those who ask are told. Counters may be cleared; this stays.
+
+/// The numbers are those of the registers of unit 255.
+enum class DeviceState : std::uint8_t {
+  not_asked = 0,      ///< nothing was sent to it
+  answering = 1,      ///< it has answered the last request, perhaps late
+  not_answering = 2,  ///< it has not
+  offline = 3,        ///< it has not answered for so long that it is only probed
+  damaged = 4         ///< its last answers had a bad CRC or LRC
+};
+
+/// The state that lasts, and when it began.
+class LastingState {
+ public:
+  [[nodiscard]] DeviceState state() const { return state_; }
+  /// Instant::min() as long as nothing is known of the device.
+  [[nodiscard]] Instant since() const { return since_; }
+  /// It is in this state at `at`. Returns the one that it was in.
+  DeviceState enter(DeviceState state, Instant at) {
+    if (state != state_) {
+      since_ = at;
+    }
+    return std::exchange(state_, state);
+  }
+
+ private:
+  DeviceState state_ = DeviceState::not_asked;
+  Instant since_ = Instant::min();
+};
 
 class DeviceHealth {
  public:
@@ -20,12 +51,10 @@ class DeviceHealth {
   bool note_unanswered(Instant sent, Instant due, unsigned offline_after);
   /// An answer came with a wrong CRC or LRC, or fits in nothing else.
   void note_damaged(Instant now);
-  /// The transmission at `sent` was answered. Returns true if the device was offline, and is back.
-  bool note_answered(Instant sent, Instant now) {
-    answered_sent_ = std::max(answered_sent_, sent);
-    return note_heard(now);
-  }
-  /// A good frame of the device came, however late: the same.
+  /// The transmission at `sent` was answered; note_heard() follows.
+  void note_answered(Instant sent) { answered_sent_ = std::max(answered_sent_, sent); }
+  /// A good frame of the device came, however late. Returns true if the device was offline, and is
+  /// back.
   bool note_heard(Instant now);
   /// Another device is at this address now. What decides stays: the row of unanswered
   /// transmissions; and the state, as long as it is offline, because that is how requests to this

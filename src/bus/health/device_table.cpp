@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 namespace mbgate::bus {
 namespace {
@@ -17,6 +18,17 @@ std::array<std::string, kAddresses> names_of(std::span<const drive::Device> devi
 }
 
 }  // namespace
+
+// A probe is over soon; but a write that a device which is back carries out waits for its answer.
+TimesInForce DeviceEntry::in_force(const modbus::Request& request, bool is_stop) const {
+  TimesInForce found{device->timing_of(request)};
+  Duration& timeout = found.timing.response_timeout;
+  if (health.is_offline() && (request.is_read() || is_stop)) {
+    const Duration usual = std::exchange(timeout, found.timing.probe_timeout_or_default());
+    found.hurried_by = std::max(usual - timeout, Duration{0});
+  }
+  return found;
+}
 
 void DeviceEntry::forget_shown() {
   health.forget_shown();

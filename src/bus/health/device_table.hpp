@@ -21,7 +21,7 @@
 
 namespace mbgate::bus {
 
-/// A serial line has 1 to 247, a downstream TCP bus 0 to 255.
+/// A serial line has 1 to 255, a downstream TCP bus 0 to 255.
 inline constexpr std::size_t kAddresses = std::numeric_limits<std::uint8_t>::max() + 1;
 using Addresses = std::bitset<kAddresses>;
 
@@ -29,6 +29,13 @@ using Addresses = std::bitset<kAddresses>;
 struct FailedStop {
   Instant at;                  ///< when it was given up
   std::uint8_t exception = 0;  ///< with which it was refused; 0: it was unanswered
+};
+
+/// The times of one transmission.
+struct TimesInForce {
+  drive::DeviceTiming timing;
+  /// The response timeout is shorter by this, because the device is offline.
+  Duration hurried_by{0};
 };
 
 struct DeviceEntry {
@@ -67,7 +74,9 @@ struct DeviceEntry {
   /// And the last stop, if it was given up and no write was acknowledged since.
   std::optional<FailedStop> failed_stop;
 
-  [[nodiscard]] const drive::DeviceTiming& timing() const { return device->timing; }
+  /// The times in force for the device, and for one request to it.
+  [[nodiscard]] const drive::DeviceTiming& in_force() const { return device->timing; }
+  [[nodiscard]] TimesInForce in_force(const modbus::Request& request, bool is_stop) const;
   /// No [[device]] has this address, and nobody was ever heard there.
   [[nodiscard]] bool is_unknown() const {
     return device->name.empty() && health.state() == DeviceState::not_asked;
@@ -82,7 +91,7 @@ struct DeviceEntry {
   }
   /// `gap_after_write`
   void hold_after(const modbus::Request& request, Instant now) {
-    const Duration gap = request.is_read() ? Duration{0} : timing().gap_after_write;
+    const Duration gap = request.is_read() ? Duration{0} : in_force().gap_after_write;
     free_at = gap > Duration{0} ? std::max(free_at, now + gap) : free_at;
   }
   /// A frame of the device was received: it is there.

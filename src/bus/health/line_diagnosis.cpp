@@ -4,14 +4,15 @@
 #include <algorithm>
 #include <utility>
 
-#include "modbus/function_code.hpp"
+#include "modbus/codes.hpp"
 
 namespace mbgate::bus {
 namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kNeverSilent = std::chrono::seconds(1);
+constexpr Duration kNeverSilent = 1s;
+constexpr Duration kLongOffline = 10s;
 
 // Fewer bytes than these are a driver that turns off.
 constexpr std::size_t kLeastHeard = 3;
@@ -145,6 +146,20 @@ bool LineDiagnosis::note_unanswered_connection() {
   return !std::exchange(replacement_reported_, true) || parts_.line.use().has_answered();
 }
 
+bool LineDiagnosis::note_heard(std::uint8_t address, Instant now) {
+  DeviceHealth& health = parts_.devices[address].health;
+  never_silent_reported_ = false;
+  const Instant offline_since = health.state_since();
+  if (!health.note_heard(now)) {
+    return false;
+  }
+  if (now > offline_since + kLongOffline) {
+    parts_.probes.expect_others(now);
+  }
+  notify(DeviceNotice::Kind::back, address);
+  return true;
+}
+
 void LineDiagnosis::notify(DeviceNotice::Kind kind, std::uint8_t address) {
   DeviceNotice notice{kind, address};
   notice.answered_before = quality_[address].has_answered();
@@ -169,29 +184,28 @@ void LineDiagnosis::note_unsolicited(const UnsolicitedFrame& unsolicited) {
     }
     return;
   }
-  const auto late = unsolicited.is_response ? entry.hold.note_late(unsolicited.pdu.bytes(),
-                                                                   unsolicited.came, entry.timing())
-                                            : std::optional<Hold::Late>();
+  const auto late =
+      unsolicited.is_response
+          ? entry.hold.note_late(unsolicited.pdu.bytes(), unsolicited.came, entry.in_force())
+          : std::optional<Hold::Late>();
   if (!late) {
     if (!note_second_answer(unsolicited) && !note_misfit(unsolicited)) {
       note_foreign(unsolicited);
     }
     return;
   }
-  const bool is_back = entry.health.note_heard(unsolicited.came);
   ++parts_.counters.late_responses;
   ++entry.counters.late_responses;
   entry.note_heard();
   entry.silence.note_answer(unsolicited.came);
   if (late->grew) {
     parts_.actions.push(DeviceNotice{DeviceNotice::Kind::late, address, late->lateness,
-                                     entry.hold.tail(unsolicited.came, entry.timing())});
+                                     entry.hold.tail(unsolicited.came, entry.in_force())});
   }
-  if (is_back) {
-    notify(DeviceNotice::Kind::back, address);
+  if (note_heard(address, unsolicited.came)) {
     quality_[address].note_heard();        // it was asked by probes only: no matter of its timeout
   } else if (late->shown > Duration{0}) {  // else what stood before it was in its way
-    quality_[address].note_late(late->shown, entry.timing().response_timeout);
+    quality_[address].note_late(late->shown, entry.in_force().response_timeout);
     tell_quality(address);
   }
 }
@@ -203,14 +217,14 @@ bool LineDiagnosis::note_second_answer(const UnsolicitedFrame& unsolicited) {
   const Instant now = unsolicited.came;
   DeviceEntry& entry = parts_.devices[unsolicited.address];
   if (foreign_reported_ || unsolicited.after_noise || is_own(parts_, unsolicited) ||
-      !entry.hold.note_second(unsolicited.pdu.bytes(), now, entry.timing())) {
+      !entry.hold.note_second(unsolicited.pdu.bytes(), now, entry.in_force())) {
     return false;
   }
   entry.second_at = now;
   const bool is_read = modbus::is_read(unsolicited.pdu.bytes());
   entry.second_read_at = parts_.line.hears_itself() && is_read ? now : entry.second_read_at;
   const bool is_sure = entry.hold.seconds() >= kSure ||
-                       now >= parts_.link.opened_at() + entry.timing().quarantine_max;
+                       now >= parts_.link.opened_at() + entry.in_force().quarantine_max;
   if (is_sure && !std::exchange(entry.second_reported, true)) {
     notify(DeviceNotice::Kind::second_answer, unsolicited.address);
   }
@@ -254,7 +268,7 @@ void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
   const Instant now = unsolicited.came;
   const std::uint8_t address = unsolicited.address;
   DeviceEntry& entry = parts_.devices[address];
-  const Duration longest = entry.timing().quarantine_max;
+  const Duration longest = entry.in_force().quarantine_max;
   const bool is_asked = asked_of(parts_, address) != nullptr;
   const bool is_request_of_now = is_own(parts_, unsolicited);
   if (is_request_of_now && unsolicited.is_request && parts_.settings.line.echo == false &&
@@ -276,13 +290,6 @@ void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
     notice.is_request = unsolicited.is_request;
     parts_.actions.push(notice);
   }
-}
-
-NoticedEcho LineDiagnosis::echo() const {
-  if (parts_.line.hears_itself()) {
-    return NoticedEcho::found;
-  }
-  return denied_echo_.is_found() ? NoticedEcho::denied : NoticedEcho::none;
 }
 
 }  // namespace mbgate::bus

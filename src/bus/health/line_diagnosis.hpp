@@ -44,8 +44,6 @@ class LineDiagnosis {
   void note_bytes(bool asked, Instant now);
   /// A valid frame came that answers no pending request.
   void note_unsolicited(const UnsolicitedFrame& unsolicited);
-  /// An answer to a pending request came.
-  void note_understood() { never_silent_reported_ = false; }
   void note_ended(const Asked& asked, const LineEnd& end, Instant now);
   /// It was answered: how long that took.
   void note_times(const Transmission& transmission, const LineEnd& end, Instant now);
@@ -54,6 +52,9 @@ class LineDiagnosis {
   /// The server takes requests and does not answer. Returns true the first time since something was
   /// received from it.
   bool note_unanswered_connection();
+  /// A good frame of the device came. Returns true if it was offline, and is back: then others that
+  /// have their supply from the same place may be, too.
+  bool note_heard(std::uint8_t address, Instant now);
   void notify(DeviceNotice::Kind kind, std::uint8_t address);
 
   [[nodiscard]] const LineQuality& quality() const { return quality_; }
@@ -70,7 +71,11 @@ class LineDiagnosis {
   /// When the line was last without silence for too long; Instant::min(): never.
   [[nodiscard]] Instant last_never_silent() const { return last_never_silent_; }
   /// An echo that was found, though the settings do not say that there is one.
-  [[nodiscard]] NoticedEcho echo() const;
+  [[nodiscard]] NoticedEcho echo() const {
+    return parts_.line.hears_itself() ? NoticedEcho::found
+           : denied_echo_.is_found()  ? NoticedEcho::denied
+                                      : NoticedEcho::none;
+  }
 
  private:
   void note_foreign(const UnsolicitedFrame& unsolicited);

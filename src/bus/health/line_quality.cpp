@@ -131,16 +131,16 @@ void LineQuality::forget() {
   for (AnswerQuality& device : devices_) {
     device.forget();
   }
-  told_ = {};
+  reported_ = {};
   crcs_ = {};
-  line_told_ = Quality::unknown;
+  line_reported_ = Quality::unknown;
   bad_devices_ = 0;
   unasked_ = 0;
 }
 
 void LineQuality::forget(std::uint8_t address) {
   devices_.at(address) = {};
-  const Quality told = std::exchange(told_.at(address), Quality::unknown);
+  const Quality told = std::exchange(reported_.at(address), Quality::unknown);
   bad_devices_ -= told == Quality::bad_crc ? 1U : 0U;
 }
 
@@ -155,20 +155,20 @@ QualityVerdict LineQuality::verdict() const {
 }
 
 std::optional<QualityNotice> LineQuality::take_change(std::uint8_t address) {
-  const auto is_news = [](Quality before, Quality now) {
+  const auto is_reportable = [](Quality before, Quality now) {
     return before != now && (before != Quality::unknown || now != Quality::good);
   };
   const QualityVerdict& device = devices_.at(address).verdict();
-  const Quality before = told_.at(address);
+  const Quality before = reported_.at(address);
   const Quality now = device.quality == Quality::unknown ? before : device.quality;
-  told_.at(address) = now;
+  reported_.at(address) = now;
   bad_devices_ += now == Quality::bad_crc ? 1U : 0U;
   bad_devices_ -= before == Quality::bad_crc ? 1U : 0U;
-  if (is_news(before, now)) {
+  if (is_reportable(before, now)) {
     return QualityNotice{address, device};
   }
   const QualityVerdict line = verdict();
-  if (is_news(std::exchange(line_told_, line.quality), line.quality)) {
+  if (is_reportable(std::exchange(line_reported_, line.quality), line.quality)) {
     return QualityNotice{std::nullopt, line};
   }
   return std::nullopt;

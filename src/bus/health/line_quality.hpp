@@ -135,9 +135,9 @@ class LineQuality {
   static constexpr std::size_t kAddresses = std::numeric_limits<std::uint8_t>::max() + 1;
 
   std::array<AnswerQuality, kAddresses> devices_{};
-  std::array<Quality, kAddresses> told_{};
+  std::array<Quality, kAddresses> reported_{};
   CrcShare crcs_;
-  Quality line_told_ = Quality::unknown;
+  Quality line_reported_ = Quality::unknown;
   unsigned bad_devices_ = 0;
   unsigned unasked_ = 0;
 };

@@ -26,11 +26,11 @@ bool Probes::may_ask(const Job& job, Instant now) const {
   const auto ahead = std::ranges::count_if(devices_.entries(), [&](const DeviceEntry& other) {
     const bool goes_first = other.health.is_offline() &&
                             other.health.probe_at() < entry.health.probe_at() &&
-                            now < other.health.wanted_at() + other.timing().probe_interval;
+                            now < other.health.wanted_at() + other.in_force().probe_interval;
     return other.probe != nullptr || goes_first;
   });
   return ahead < (freely ? std::max<std::int64_t>(
-                               kLongestProbing / entry.timing().probe_timeout_or_default(), 1)
+                               kLongestProbing / entry.in_force().probe_timeout_or_default(), 1)
                          : 1);
 }
 
@@ -62,7 +62,7 @@ void Probes::note_unanswered(const Transmission& probe, Instant now) {
     return;
   }
   DeviceEntry& entry = devices_[probe.on_wire().address];
-  entry.health.set_probe_at(probe.last_sent + entry.timing().probe_interval);
+  entry.health.set_probe_at(probe.last_sent + entry.in_force().probe_interval);
   // A shorter one that went while nobody else asked leaves the share of a longer one.
   const Duration took = now - probe.last_sent;
   next_at_ = std::max(next_at_, probe.last_sent + took * kPercent / settings_.probe_share);

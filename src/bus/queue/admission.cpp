@@ -5,7 +5,7 @@
 #include <span>
 
 #include "base/assert.hpp"
-#include "bus/queue/turns.hpp"
+#include "bus/queue/readiness.hpp"
 
 namespace mbgate::bus {
 namespace {

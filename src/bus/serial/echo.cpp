@@ -38,14 +38,14 @@ Echo::Echo(std::optional<bool> setting, BusCounters& counters, LineFaults& fault
 
 void Echo::open() {
   forget();
-  if (learns_) {
+  if (learns_ && !shown_) {
     state_ = State::unknown;
   }
   owed_.clear();
   asked_.reset();
   heard_.reset();
   echoed_ = false;
-  may_answer_ = shown_ = unproven_told_ = false;
+  may_answer_ = unproven_reported_ = false;
 }
 
 void Echo::forget() {
@@ -174,7 +174,7 @@ void Echo::find() {
 }
 
 void Echo::note_unproven() {
-  if (!std::exchange(unproven_told_, true)) {
+  if (!std::exchange(unproven_reported_, true)) {
     note_fault(faults_, LineFault::echo_unproven);
   }
 }

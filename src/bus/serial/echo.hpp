@@ -36,7 +36,8 @@ class Echo {
   /// added to `counters` and `faults`.
   Echo(std::optional<bool> setting, BusCounters& counters, LineFaults& faults);
 
-  /// The line was opened: it may be another adapter.
+  /// The line was opened. An echo that was found is still there, until reads lack it; without one,
+  /// it may be another adapter.
   void open();
   /// `frame` is sent for `transaction` now. Its response timeout ends at `due`.
   void expect(const Transaction& transaction, const FrameBytes& frame, Instant now, Instant due);
@@ -76,8 +77,8 @@ class Echo {
   [[nodiscard]] bool is_owed(const modbus::Pdu& response) const;
   /// If so, that echo is no longer expected. Returns whether it was.
   bool take_owed(const modbus::Pdu& response);
-  /// Was an echo seen since the line was opened? Then such a response is taken for the late echo,
-  /// unless something else says otherwise.
+  /// Was an echo seen? Then such a response is taken for the late echo, unless something else says
+  /// otherwise.
   [[nodiscard]] bool was_shown() const { return shown_; }
   [[nodiscard]] bool is_learned() const { return learns_; }
   [[nodiscard]] bool is_unknown() const { return state_ == State::unknown; }
@@ -127,9 +128,9 @@ class Echo {
   std::bitset<256> heard_;
   bool spoilt_ = false;
   bool passed_ = false;  // a repetition of the request was taken for the echo
-  bool shown_ = false;   // since the line was opened
-  unsigned lost_ = 0;    // since one was shown: reads that were answered without one
-  bool unproven_told_ = false;
+  bool shown_ = false;
+  unsigned lost_ = 0;  // since one was shown: reads that were answered without one
+  bool unproven_reported_ = false;
 };
 
 }  // namespace mbgate::bus

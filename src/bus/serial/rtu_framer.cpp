@@ -38,15 +38,15 @@ void RtuFramer::forget() {
 // Silence, or a new question, has ended what stands here. It may have been a frame whose length
 // cannot be known, such as another client's request; not the beginning of one that is longer.
 void RtuFramer::give_up_buffer() {
-  const bool is_told = !std::exchange(answers_another_, false);
+  const bool is_reported = !std::exchange(answers_another_, false);
   const auto whole = buffer_.size() > 1 ? good_frame(buffer_.bytes()) : std::nullopt;
   const bool is_response = whole && whole->is_response && whole->size == buffer_.size();
-  if (is_told && modbus::decode_rtu(buffer_.bytes()) &&
+  if (is_reported && modbus::decode_rtu(buffer_.bytes()) &&
       (is_response || !may_begin_frame(buffer_.bytes()))) {
     note_unsolicited(0, buffer_.size());
   } else {
     counters_.stray_bytes += buffer_.size();
-    if (is_told && buffer_.size() > 0) {
+    if (is_reported && buffer_.size() > 0) {
       cut_.keep(buffer_.bytes(), buffer_.came_at(0), buffer_.came_at(buffer_.size() - 1));
     }
   }

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "modbus/request_length.hpp"
+#include "modbus/request.hpp"
 #include "modbus/response.hpp"
 #include "modbus/rtu.hpp"
 

@@ -41,7 +41,7 @@ void SerialDiscipline::open(Instant now, LineKind kind, Instant listen_until) {
   framer_.forget();
   paced_ = paced_setting_.value_or(kind == LineKind::uart);
   echo_.open();
-  unpaced_told_ = is_answerless_ = false;
+  unpaced_reported_ = is_answerless_ = false;
   unsent_ = 0;
   silence_.open(now, listen_until);
 }

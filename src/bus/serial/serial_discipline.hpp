@@ -91,7 +91,7 @@ class SerialDiscipline {
   bool draining_ = false;  // what came last was no response: it must end first
   std::size_t heard_ = 0;  // bytes since the last own frame had left
   Instant heard_at_;       // the first of them
-  bool unpaced_told_ = false;
+  bool unpaced_reported_ = false;
   std::size_t unsent_ = 0;
   bool is_answerless_ = false;  // nothing answers what was sent last
   std::optional<LineEnd> end_;

@@ -27,13 +27,6 @@ bool begins_as_echo(const Echo& echo, const Framer& framer, const Transaction& a
   return std::equal(sent.begin(), sent.end(), came.begin());
 }
 
-// A device works in order: what came belongs to the oldest request that it fits.
-OwedAnswers::iterator first_fit(OwedAnswers& owed, const modbus::Pdu& response) {
-  return std::ranges::find_if(owed, [&](const OwedAnswer& it) {
-    return is_fitting(modbus::check_response(it.asked, response.bytes()));
-  });
-}
-
 }  // namespace
 
 void SerialDiscipline::judge_held(const Echo::Held& held, Instant now) {
@@ -76,7 +69,7 @@ Verdict SerialDiscipline::refuse(Instant now) {
     refused_.add({transaction_->address, framer_.response(), now});
   } else {
     ++counters_.unsolicited_frames;
-    if (transaction_->request.is_read() && !std::exchange(unpaced_told_, true)) {
+    if (transaction_->request.is_read() && !std::exchange(unpaced_reported_, true)) {
       note_fault(faults_, LineFault::answered_while_sending);
     }
   }

@@ -30,8 +30,9 @@ bool begins_with(modbus::Bytes stream, std::uint16_t identifier) {
 
 }  // namespace
 
-void TcpDiscipline::open(Instant now, LineKind /*kind*/, Instant /*listen_until*/) {
+void TcpDiscipline::open(Instant now, LineKind /*kind*/, Instant listen_until) {
   abort();
+  listening_until_ = check_transaction_ ? Instant::min() : listen_until;
   quiet_since_ = now;
   ready_first_at_ = now + connect_delay_;
   use_.open();
@@ -39,6 +40,7 @@ void TcpDiscipline::open(Instant now, LineKind /*kind*/, Instant /*listen_until*
 
 void TcpDiscipline::update(const BusSettings& settings) {
   check_unit_ = settings.check_unit;
+  check_transaction_ = settings.check_transaction;
   replace_after_ = settings.replace_after;
   connect_delay_ = settings.connect_delay;
 }
@@ -49,11 +51,12 @@ void TcpDiscipline::limit_wait(const Transaction& transaction, Duration longest)
 }
 
 FrameBytes TcpDiscipline::begin(Transaction& transaction, const drive::DeviceTiming& timing,
-                                const OwedAnswers& /*owed*/, Instant now) {
+                                OwedAnswers owed, Instant now) {
   MBGATE_ASSERT(!transaction.is_broadcast(), "no broadcast goes over a connection");
   const std::uint16_t identifier = new_identifier();
   const Instant due = now + timing.response_timeout + timing.response_wait;
   flights_.push_back({identifier, &transaction, now, due, due});
+  owed_ = std::move(owed);
   quiet_since_ = now;
   use_.note_asked(now);
   const modbus::MbapBytes adu =
@@ -63,6 +66,7 @@ FrameBytes TcpDiscipline::begin(Transaction& transaction, const drive::DeviceTim
 
 void TcpDiscipline::abort() {
   flights_.clear();
+  owed_.clear();
   stream_.clear();
   padding_ = 0;
   ends_.clear();
@@ -120,7 +124,7 @@ bool TcpDiscipline::take_answer(Instant now) {
 void TcpDiscipline::skip_padding() {
   const auto begins = [this](std::uint16_t identifier) { return begins_with(stream_, identifier); };
   const auto may_be_answer = [&] {
-    return std::ranges::any_of(flights_, begins, &Flight::identifier) ||
+    return !check_transaction_ || std::ranges::any_of(flights_, begins, &Flight::identifier) ||
            std::ranges::any_of(expired_, begins, &Expired::identifier);
   };
   while (padding_ > 0 && !stream_.empty() && !may_be_answer()) {
@@ -132,12 +136,18 @@ void TcpDiscipline::skip_padding() {
 }
 
 void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
-  const auto flight = find(answer.header.transaction);
-  if (flight == flights_.end() || !is_unit_right(answer.header.unit, flight->transaction->unit)) {
+  const auto is_from = [&](std::uint16_t identifier, std::uint8_t unit) {
+    return (!check_unit_ || answer.header.unit == unit) &&
+           (!check_transaction_ || answer.header.transaction == identifier);
+  };
+  const auto flight = std::ranges::find_if(
+      flights_, [&](const Flight& it) { return is_from(it.identifier, it.transaction->unit); });
+  if (flight == flights_.end()) {
+    // Without identifiers it may belong to any of those that its unit sent.
     ++counters_.unsolicited_frames;
-    const auto expired =
-        std::ranges::find(expired_, answer.header.transaction, &Expired::identifier);
-    if (expired != expired_.end() && is_unit_right(answer.header.unit, expired->unit)) {
+    const auto expired = std::ranges::find_if(
+        expired_, [&](const Expired& it) { return is_from(it.identifier, it.unit); });
+    if (expired != expired_.end()) {
       use_.note_answer(now);
       unsolicited_.add({expired->address, answer.pdu, now});
       expired_.erase(expired);
@@ -145,6 +155,14 @@ void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
     return;
   }
   Transaction& transaction = *flight->transaction;
+  const auto first = first_fit(owed_, answer.pdu);
+  if (first != owed_.end() && !first->is_own_answer(answer.pdu)) {
+    owed_.erase(first);
+    use_.note_answer(now);
+    ++counters_.unsolicited_frames;
+    unsolicited_.add({transaction.address, answer.pdu, now});
+    return;
+  }
   if (!is_fitting(modbus::check_response(transaction.request, answer.pdu.bytes()))) {
     ++counters_.unsolicited_frames;
     return;
@@ -172,11 +190,10 @@ void TcpDiscipline::handle_deadline(Instant now) {
     }
   }
   std::erase_if(flights_, [now](const Flight& flight) { return now >= flight.response_deadline; });
-  // What belongs to a request that is still waited for has its time. What was promised behind an
-  // exception, and is none, is no answer.
+  // What belongs to a request that is still waited for has its time.
   const bool is_awaited =
       stream_.size() > 1 && find(modbus::load_be16(stream_, 0)) != flights_.end();
-  if (is_timeout && stream_.size() > padding_ && !is_awaited) {
+  if (is_timeout && !stream_.empty() && !is_awaited) {
     counters_.stray_bytes += stream_.size();
     fault_ = LineFault::answer_cut_off;
   } else if (const auto at = use_.replace_at(replace_after_); at && now >= *at) {

@@ -2,6 +2,9 @@
 // The line discipline of a connection to a Modbus TCP server: several transactions at a time, told
 // apart by transaction identifiers of our own. A late answer is taken for no other (Messaging on
 // TCP/IP V1.0b, 4.4.1): it is dropped, but tells that its device is there.
+//
+// A server that does not return the identifiers (`check_transaction = false`) gets one transaction
+// at a time. As on a serial line, an answer then belongs to the oldest request that it fits.
 #pragma once
 
 #include <algorithm>
@@ -26,22 +29,25 @@ class TcpDiscipline {
  public:
   TcpDiscipline(const BusSettings& settings, BusCounters& counters)
       : check_unit_(settings.check_unit),
+        check_transaction_(settings.check_transaction),
         replace_after_(settings.replace_after),
         connect_delay_(settings.connect_delay),
         counters_(counters) {}
 
-  /// The connection is there, and new: nothing of before counts any more.
+  /// The connection is there, and new: nothing of before counts any more. Without identifiers it is
+  /// listened to until then.
   void open(Instant now, LineKind kind, Instant listen_until);
   /// A connection needs no silence but the `gap` that is asked for. Where the last one was closed
   /// right after an answer, this one is given the time to be closed too.
   [[nodiscard]] Instant ready_at(Duration gap) const {
-    return std::max({quiet_since_ + gap, use_.closes_by(), ready_first_at_});
+    return std::max({quiet_since_ + gap, use_.closes_by(), ready_first_at_, listening_until_});
   }
   /// Transmits now; `transaction`, which gets the response, must outlive its end. No broadcasts.
   /// Returns the ADU.
-  /// Answers that a device owes are told apart by their identifiers.
-  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing,
-                   const OwedAnswers& owed, Instant now);
+  /// Without identifiers, an answer that fits one of `owed` first, which is no try of its own, is
+  /// refused, once.
+  FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, OwedAnswers owed,
+                   Instant now);
   /// A stop waits only for a server that is not ready yet (`connect_delay`): it would be lost.
   [[nodiscard]] Instant ready_for_stop_at() const {
     return std::max(quiet_since_, ready_first_at_);
@@ -49,16 +55,18 @@ class TcpDiscipline {
   [[nodiscard]] Instant possible_at() const { return quiet_since_; }
   /// The running transaction has so long for its response, and no longer than its timeout.
   void limit_wait(const Transaction& transaction, Duration longest);
-  /// No device owes anything to another connection: nothing of this one can come there.
-  [[nodiscard]] static std::optional<Instant> response_due() { return std::nullopt; }
+  /// The end of the response timeout, without identifiers. With them no device owes anything to
+  /// another connection.
+  [[nodiscard]] std::optional<Instant> response_due() const {
+    return check_transaction_ || flights_.empty() ? std::nullopt : std::optional(flights_[0].due);
+  }
   void update(const BusSettings& settings);
   /// A late answer, each once. Nobody else is heard on a connection.
   std::optional<UnsolicitedFrame> take_unsolicited() { return unsolicited_.take(); }
   /// Gives up all running transactions: nothing of them will be reported.
   void abort();
   [[nodiscard]] const ConnectionUse& use() const { return use_; }
-  /// The far end has closed the connection.
-  void note_closed(Instant now) { use_.note_closed(now); }
+  [[nodiscard]] ConnectionUse& use() { return use_; }
 
   void handle_bytes(modbus::Bytes bytes, Instant now);
   void handle_deadline(Instant now);
@@ -94,16 +102,16 @@ class TcpDiscipline {
   void match(const modbus::MbapAdu& answer, Instant now);
   /// Drops bytes behind an exception that its length has promised and that begin no answer.
   void skip_padding();
-  [[nodiscard]] bool is_unit_right(std::uint8_t answered, std::uint8_t asked) const {
-    return !check_unit_ || answered == asked;
-  }
 
   bool check_unit_;
+  bool check_transaction_;
   unsigned replace_after_;
   Duration connect_delay_;
   Instant ready_first_at_ = Instant::min();  // of this connection
   BusCounters& counters_;
   Flights flights_;
+  OwedAnswers owed_;  // without identifiers: what may still come from the device
+  Instant listening_until_ = Instant::min();
   std::uint16_t last_identifier_ = 0;
   std::vector<std::uint8_t> stream_;  // less than an answer, between calls
   std::size_t padding_ = 0;           // so many bytes that are no answer may come next

@@ -2,7 +2,6 @@
 #include "bus/transmission/dispatch.hpp"
 
 #include <algorithm>
-#include <functional>
 
 namespace mbgate::bus {
 namespace {
@@ -31,7 +30,7 @@ void Dispatch::pump(Instant now) {
 
 void Dispatch::decide(Instant now) {
   parts_.pumped_at = now;
-  next_start_.reset();
+  timers_.clear();
   parts_.stops.wake(now);
   ends_.expire(now);
   ends_.end_over(now);
@@ -40,24 +39,35 @@ void Dispatch::decide(Instant now) {
     wait_for_line(now);
     return;
   }
-  if (serve_stops(now)) {
-    return;
+  go_on_with_stops(now);
+  Next next = scheduler_.next(now);
+  while (carry_out(next, now)) {
+    next = scheduler_.next(now);
   }
-  continue_running(now);
-  while (has_place(parts_, now)) {
-    const auto choice = next_turn(parts_, Passing::nothing, now);
-    if (!choice) {
-      return;
-    }
-    if (choice->at > now) {
-      wait_until(wake_for(parts_, *choice->job, choice->at));
-      return;
-    }
-    if (!has_looked()) {
-      return;
-    }
-    begin(*choice, now);
+  timers_.set(Timer::transmission, next.at);
+  limit_waits(now);
+}
+
+// False: nothing more can be done now.
+bool Dispatch::carry_out(const Next& next, Instant now) {
+  switch (next.step) {
+    case Next::Step::wait: return false;
+    case Next::Step::transmit:
+      if (!has_looked()) {
+        return false;
+      }
+      next.stop != nullptr ? begin(*next.stop, now) : begin(*next.job, now);
+      return true;
+    case Next::Step::cancel:
+      parts_.stops.remove(*next.stop);
+      ends_.finish(*next.stop, Ending::cancelled);
+      return true;
+    case Next::Step::give_up:
+      parts_.stops.remove(*next.stop);
+      outcomes_.give_up_stop(*next.stop, now);
+      return true;
   }
+  return false;
 }
 
 // Nothing is transmitted before what already lies in the line was looked at: it may be the answer
@@ -70,11 +80,7 @@ bool Dispatch::has_looked() {
   return looking_ == Looking::done;
 }
 
-Transmission& Dispatch::begin(const Choice& choice, Instant now) {
-  Job& job = *choice.job;
-  if (choice.passed_over != nullptr) {
-    choice.passed_over->passed_over = true;
-  }
+void Dispatch::begin(Job& job, Instant now) {
   if (job.is_waiting()) {
     if (!parts_.devices[job.address()].health.is_offline()) {
       diagnosis_.load().note_wait(waited_for_line(parts_, job, now), now);
@@ -83,26 +89,15 @@ Transmission& Dispatch::begin(const Choice& choice, Instant now) {
     parts_.transmissions.start(parts_.transmissions.lead(job));
   }
   transmit(*job.leads, now);
-  return *job.leads;
 }
 
-// Goes on with jobs of several transactions.
-void Dispatch::continue_running(Instant now) {
-  for (Transmission* running : parts_.transmissions.running()) {
-    const Job& job = *running->leader;
-    if (!parts_.transmissions.may_go_on(*running)) {
-      continue;
-    }
-    const Instant ready = ready_at(parts_, job);
-    if (running->is_between_tries() && !is_held_back(parts_, job, now)) {
-      continue;  // next_turn() has it
-    }
-    if (now < ready) {
-      wait_until(wake_for(parts_, job, ready));
-    } else if (parts_.transmissions.has_room() && has_looked()) {
-      transmit(*running, now);
-    }
+void Dispatch::begin(Transmission& stop, Instant now) {
+  if (parts_.line.ready_for_stop_at() > now) {
+    diagnosis_.notify(DeviceNotice::Kind::stop_forced, stop.leader->address());
   }
+  parts_.stops.remove(stop);
+  parts_.transmissions.start(stop);
+  transmit(stop, now);
 }
 
 // Only between transmissions, so that nothing on the wire is cut; what waits, and what is repeated,
@@ -146,8 +141,9 @@ void Dispatch::wait_for_line(Instant now) {
     parts_.stops.remove(*stop);
     ends_.finish(*stop, Ending::closed);
   }
-  parts_.stops.visit(
-      [&](const Transmission& stop) { wait_until(Wake{stop.waits_since + deadline}); });
+  parts_.stops.visit([&](const Transmission& stop) {
+    timers_.set(Timer::waiting_stop, stop.waits_since + deadline);
+  });
   if (!parts_.stops.empty()) {
     parts_.link.hurry(parts_.settings, now);
   }
@@ -155,38 +151,21 @@ void Dispatch::wait_for_line(Instant now) {
 
 // Of what is neither in the queue nor on the wire, whatever keeps it waiting.
 void Dispatch::watch_deadlines(Instant now) {
-  if (const auto next = parts_.stops.next_wake()) {
-    wait_until(Wake{*next});
-  }
+  timers_.set(Timer::resting_stop, parts_.stops.next_wake());
   parts_.stops.visit([&](const Transmission& stop) {
     if (const Instant held = held_until(parts_, stop); held > now) {
-      wait_until(Wake{held});
+      timers_.set(Timer::given_up_stop, held);
     }
   });
   for (const Transmission* running : parts_.transmissions.running()) {
     if (running->in_flight || running->is_stop()) {
       continue;
     }
-    wait_until(Wake{running->leader->deadline});
+    timers_.set(Timer::running_deadline, running->leader->deadline);
     for (const Job* follower : running->followers) {
-      wait_until(Wake{follower->deadline});
+      timers_.set(Timer::running_deadline, follower->deadline);
     }
   }
-}
-
-// True: nothing else may begin now.
-bool Dispatch::serve_stops(Instant now) {
-  go_on_with_stops(now);
-  if (!send_stops(now)) {
-    return true;
-  }
-  parts_.stops.visit([&](const Transmission& stop) {
-    const Transmission* other = in_the_way_of(parts_, *stop.leader);
-    if (other != nullptr && !waits_patiently(parts_, stop, now)) {
-      parts_.line.limit_wait(other->on_wire(), time_before_stop(parts_, other->on_wire()));
-    }
-  });
-  return false;
 }
 
 // Of several transmissions, or forms, each goes like the first, and no other stop between them.
@@ -204,57 +183,14 @@ void Dispatch::go_on_with_stops(Instant now) {
   }
 }
 
-// Those that can go. False: nothing else may begin now, because one of them waits for silence.
-bool Dispatch::send_stops(Instant now) {
-  while (const auto choice = choose_stop(parts_, now)) {
-    const auto& before = choice->before;
-    if (before && before->at > now) {
-      wait_until(wake_for(parts_, *before->job, before->at));
-      return false;
+// What is in the way of a stop has its time for an answer, and no more.
+void Dispatch::limit_waits(Instant now) {
+  parts_.stops.visit([&](const Transmission& stop) {
+    const Transmission* other = in_the_way_of(parts_, *stop.leader);
+    if (other != nullptr && may_cut(parts_, stop, now)) {
+      parts_.line.limit_wait(other->on_wire(), time_before_stop(parts_, other->on_wire()));
     }
-    if (before && !has_looked()) {
-      return false;
-    }
-    if (before) {
-      begin(*before, now);
-    } else if (!send_stop(*choice->stop, now)) {
-      return false;
-    }
-  }
-  return true;
-}
-
-// True: it is on its way, or ended. False: not yet, because the line is not silent. Where it never
-// is, there is nothing to lose: the stop is transmitted all the same, but not repeated so.
-bool Dispatch::send_stop(Transmission& stop, Instant now) {
-  if (stop.is_abandoned()) {
-    parts_.stops.remove(stop);
-    ends_.finish(stop, Ending::cancelled);
-    return true;
-  }
-  const Instant silent_at = parts_.line.ready_for_stop_at();
-  if (silent_at > now) {
-    const Instant overdue_at = std::max(stop_overdue_at(parts_, stop), parts_.line.possible_at());
-    if (overdue_at > now) {
-      wait_until(Wake{std::min(silent_at, overdue_at), silent_at <= overdue_at});
-      return false;
-    }
-    if (stop.tries > 0) {
-      parts_.stops.remove(stop);
-      outcomes_.give_up_stop(stop, now);
-      return true;
-    }
-  }
-  if (!has_looked()) {
-    return false;
-  }
-  if (silent_at > now) {
-    diagnosis_.notify(DeviceNotice::Kind::stop_forced, stop.leader->address());
-  }
-  parts_.stops.remove(stop);
-  parts_.transmissions.start(stop);
-  transmit(stop, now);
-  return true;
+  });
 }
 
 }  // namespace mbgate::bus

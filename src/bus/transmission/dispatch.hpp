@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decides what a bus transmits and when: finds whose turn it is, has the bytes read that have
-// already arrived (LookAtLine), and transmits the frame.
+// Carries out what the Scheduler decides: has the bytes read that have already arrived
+// (LookAtLine), and transmits the frame. Ends jobs that are over, and has the line opened for those
+// that wait for it.
 #pragma once
 
 #include <optional>
 
 #include "bus/health/line_diagnosis.hpp"
 #include "bus/parts.hpp"
-#include "bus/queue/stop_order.hpp"
+#include "bus/queue/scheduler.hpp"
+#include "bus/timers.hpp"
 #include "bus/transmission/job_ends.hpp"
 #include "bus/transmission/outcomes.hpp"
 
@@ -29,26 +31,24 @@ class Dispatch {
   /// The line is lost: no handle_looked() follows.
   void forget_look() { looking_ = Looking::no; }
   /// Something may be sent now that could not at the last decision.
-  void wake_at_once() { next_start_ = Wake{parts_.pumped_at}; }
-  /// When the next transmission may begin, or a waiting job ends, as far as is known.
-  [[nodiscard]] const std::optional<Wake>& next_start() const { return next_start_; }
+  void wake_at_once() { timers_.set(Timer::transmission, parts_.pumped_at); }
+  /// What it waits for.
+  [[nodiscard]] const Timers& timers() const { return timers_; }
 
  private:
   enum class Looking : std::uint8_t { no, asked, done };
 
   // dispatch.cpp: what goes next
   void decide(Instant now);
-  void wait_until(Wake wake) { next_start_ = earlier(next_start_, wake); }
   [[nodiscard]] bool has_looked();
   bool reopen_if_hung(Instant now);
   void wait_for_line(Instant now);
   void watch_deadlines(Instant now);
-  bool serve_stops(Instant now);
   void go_on_with_stops(Instant now);
-  bool send_stops(Instant now);
-  bool send_stop(Transmission& stop, Instant now);
-  void continue_running(Instant now);
-  Transmission& begin(const Choice& choice, Instant now);
+  void limit_waits(Instant now);
+  bool carry_out(const Next& next, Instant now);
+  void begin(Job& job, Instant now);
+  void begin(Transmission& stop, Instant now);
 
   // dispatch_transmit.cpp: it goes on the wire
   void transmit(Transmission& transmission, Instant now);
@@ -61,7 +61,8 @@ class Dispatch {
   JobEnds& ends_;
   Outcomes& outcomes_;
   LineDiagnosis& diagnosis_;
-  std::optional<Wake> next_start_;
+  Scheduler scheduler_{parts_};
+  Timers timers_;
   Looking looking_ = Looking::no;
 };
 

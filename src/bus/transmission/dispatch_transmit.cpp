@@ -30,7 +30,7 @@ void Dispatch::check_allowed(const Transmission& transmission, Instant now) cons
   MBGATE_ASSERT(is_stop || ready_at(parts_, job) <= now,
                 "nothing is transmitted before its silence, nor to a device that owes an answer");
   MBGATE_ASSERT(is_stop || transmission.tries == 0 || job.transaction().request.is_read() ||
-                    parts_.devices[job.transaction().address].timing().retry_writes,
+                    parts_.devices[job.transaction().address].in_force().retry_writes,
                 "a write is transmitted once");
 }
 
@@ -38,10 +38,6 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
   skip_known_settings(transmission);
   check_allowed(transmission, now);
   const Job& job = *transmission.leader;
-  const Transmission* stop =
-      transmission.is_stop() ? nullptr : parts_.stops.find([&](const Transmission& it) {
-        return !waits_patiently(parts_, it, now);
-      });
   if (transmission.tries == 0) {
     const DeviceEntry& entry = parts_.devices[job.address()];
     transmission.transmitted_at = now;
@@ -58,7 +54,7 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
     // An earlier stop of the same bytes, without another write since, has stopped the drive too.
     const bool is_stop = transmission.is_stop();
     owed = entry.hold.owed(sent.request, is_stop ? Instant::min() : transmission.transmitted_at,
-                           now, entry.timing());
+                           now, entry.in_force());
     std::ranges::for_each(owed, [&](OwedAnswer& it) { it.is_stop = is_stop; });
   }
   const auto quiet_since = [silence = parts_.line.silence()] {
@@ -76,9 +72,6 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
                                           transmission.tries, silent_since, quiet_since()});
   }
   parts_.actions.push(std::move(frame));
-  if (stop != nullptr && in_the_way_of(parts_, *stop->leader) == &transmission) {
-    parts_.line.limit_wait(sent, time_before_stop(parts_, sent));
-  }
 }
 
 void Dispatch::note_asked(const Transaction& sent, JobClass job_class, Instant now) {
@@ -87,7 +80,7 @@ void Dispatch::note_asked(const Transaction& sent, JobClass job_class, Instant n
   const auto forgets = !entry.health.is_offline()    ? Hold::Forgets::nothing
                        : job_class == JobClass::stop ? Hold::Forgets::same
                                                      : Hold::Forgets::all;
-  entry.hold.note_asked(is_silent ? nullptr : &sent.request, now, entry.timing(), forgets);
+  entry.hold.note_asked(is_silent ? nullptr : &sent.request, now, entry.in_force(), forgets);
   entry.asked_at = now;
   if (!sent.request.is_read()) {
     entry.hold.note_written(sent.request, job_class == JobClass::stop);
@@ -109,23 +102,19 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
     parts_.devices.note_written(sent);
   } else {
     ++entry.counters.transmissions;
-    timing = entry.device->timing_of(sent.request);
+    const TimesInForce times = entry.in_force(sent.request, transmission.is_stop());
+    timing = times.timing;
+    transmission.hurried_by = times.hurried_by;
     sent.boot_time = entry.device->silent_after(sent.request);
-    transmission.hurried_by = Duration{0};
-    if (entry.health.is_offline()) {
-      const Duration usual =
-          std::exchange(timing.response_timeout, timing.probe_timeout_or_default());
-      transmission.hurried_by = std::max(usual - timing.response_timeout, Duration{0});
-      transmission.is_probe = !transmission.is_stop();
-      counters.probes += transmission.is_probe ? 1U : 0U;
-    }
+    transmission.is_probe = entry.health.is_offline() && !transmission.is_stop();
+    counters.probes += transmission.is_probe ? 1U : 0U;
     note_asked(sent, job.job_class, now);
   }
   parts_.devices.note_reconfiguring(sent);
   if (transmission.is_stop() && transmission.tries == 0) {
     transmission.is_one_try = is_given_up(parts_, transmission);
   }
-  parts_.turns.note(job.job_class, sent.address);
+  parts_.last_sent.note(job.job_class, sent.address);
   ++counters.transmissions;
   counters.stops += transmission.is_stop() ? 1U : 0U;
   counters.retries += transmission.tries > 0 ? 1U : 0U;

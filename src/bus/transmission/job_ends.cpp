@@ -4,9 +4,27 @@
 #include <algorithm>
 #include <utility>
 
-#include "bus/queue/stop_order.hpp"
-
 namespace mbgate::bus {
+namespace {
+
+// Does the stop cancel the write, which was accepted before it?
+bool is_stopped_by(const Parts& parts, const Job& stop, const Job& write) {
+  if (!is_write(write.job_class) || write.sequence > stop.sequence) {
+    return false;
+  }
+  const auto stops_device = [&](const drive::Device& device) {
+    const auto reaches = [&](const Transaction& transaction) {
+      return device.is_addressed_by(transaction.address, transaction.broadcast);
+    };
+    const bool stopped = std::ranges::any_of(stop.transactions, [&](const Transaction& it) {
+      return reaches(it) && (!it.is_broadcast() || device.is_stop(it.request));
+    });
+    return stopped && std::ranges::any_of(write.transactions, reaches);
+  };
+  return std::ranges::any_of(parts.devices.devices(), stops_device);
+}
+
+}  // namespace
 
 void JobEnds::end(Job& job, Ending ending) {
   release(job);
@@ -167,7 +185,7 @@ void JobEnds::end_repeats() {
     const Job& job = *repeated->leader;
     const bool repeats_write = is_write(job.job_class) && !repeated->in_flight &&
                                repeated->tries > 0 && !job.transaction().request.is_read();
-    if (repeats_write && !parts_.devices[job.transaction().address].timing().retry_writes) {
+    if (repeats_write && !parts_.devices[job.transaction().address].in_force().retry_writes) {
       finish(*repeated, Ending::no_answer);
     }
   }

@@ -9,8 +9,6 @@
 namespace mbgate::bus {
 namespace {
 
-constexpr auto kLongOffline = std::chrono::seconds(10);
-
 // What was read of one register; nothing if the device refuses to tell.
 std::optional<std::uint16_t> register_of(const modbus::Pdu& response) {
   constexpr std::size_t kRegister = 2;  // after function and byte count (6.3)
@@ -37,7 +35,7 @@ void Outcomes::handle_end(LineEnd end, Instant now) {
   Transmission& transmission = parts_.transmissions.find(end.transaction);
   end.due += transmission.hurried_by;  // its answer may still come as late as any other
   transmission.in_flight = false;
-  parts_.turns.note_end(now);
+  parts_.last_sent.note_end(now);
   const Transaction& sent = *end.transaction;
   const Asked asked{sent.address,
                     sent.request.is_read(),
@@ -50,7 +48,7 @@ void Outcomes::handle_end(LineEnd end, Instant now) {
   if (parts_.is_traced) {
     TransmissionOver over = over_of(transmission, end);
     if (end.how == LineEnd::How::no_response && asked.wants_answer && parts_.quarantines()) {
-      over.held_until = entry.hold.end_of_tail(end.due, entry.timing());
+      over.held_until = entry.hold.end_of_tail(end.due, entry.in_force());
     }
     parts_.actions.push(std::move(over));
   }
@@ -68,7 +66,8 @@ void Outcomes::handle_end(LineEnd end, Instant now) {
   if (!sent.is_broadcast()) {
     entry.hold_after(sent.request, now);
   }
-  const bool is_owed = end.how != LineEnd::How::response || now < entry.hold.until(entry.timing());
+  const bool is_owed =
+      end.how != LineEnd::How::response || now < entry.hold.until(entry.in_force());
   if (asked.wants_answer && is_owed) {
     entry.owed_until = std::max(entry.owed_until, end.due);
   }
@@ -84,7 +83,6 @@ void Outcomes::take_response(Transmission& transmission, const LineEnd& end, Ins
                 "a response fits the request on the wire");
   ++parts_.counters.responses;
   ++entry.counters.responses;
-  diagnosis_.note_understood();
   if (response.is_exception()) {
     ++parts_.counters.exceptions;
     ++entry.counters.exceptions;
@@ -104,15 +102,10 @@ void Outcomes::take_response(Transmission& transmission, const LineEnd& end, Ins
   entry.note_heard();
   entry.unreached.reset();
   entry.hold.note_answered(sent_of(transmission, end.due), response.bytes(), end.took, now,
-                           entry.timing());
+                           entry.in_force());
   parts_.payback.note_answered(asked.address, now);
-  const Instant offline_since = entry.health.state_since();
-  if (entry.health.note_answered(transmission.last_sent, now)) {
-    diagnosis_.notify(DeviceNotice::Kind::back, asked.address);
-    if (now > offline_since + kLongOffline) {
-      parts_.probes.expect_others(now);  // supply that several drives share has come back
-    }
-  }
+  entry.health.note_answered(transmission.last_sent);
+  diagnosis_.note_heard(asked.address, now);
   diagnosis_.note_times(transmission, end, now);
 }
 
@@ -198,9 +191,7 @@ void Outcomes::handle_unreadable(Transmission& transmission, const LineEnd& end,
     entry.health.note_damaged(now);
   } else {
     entry.hold.note_heard(now);
-    if (entry.health.note_heard(now)) {
-      diagnosis_.notify(DeviceNotice::Kind::back, sent.address);
-    }
+    diagnosis_.note_heard(sent.address, now);
   }
   entry.note_heard();
   entry.hold_booting(sent.boot_time, now);  // it may have carried out what it was told
@@ -216,9 +207,9 @@ void Outcomes::handle_failure(Transmission& transmission, Instant now) {
     return;
   }
   const Transaction& own = transmission.leader->transaction();
-  const bool may_repeat = (own.request.is_read() || entry.timing().retry_writes) &&
+  const bool may_repeat = (own.request.is_read() || entry.in_force().retry_writes) &&
                           !entry.health.is_offline() && !transmission.is_probe;
-  if (may_repeat && transmission.tries <= entry.timing().retries) {
+  if (may_repeat && transmission.tries <= entry.in_force().retries) {
     return;
   }
   ends_.finish(transmission, Ending::no_answer);

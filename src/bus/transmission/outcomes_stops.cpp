@@ -18,12 +18,12 @@ constexpr std::array kPassingExceptions = {
 
 // At an address that no [[device]] has, and that was never heard, there may be nobody.
 unsigned offline_after(const DeviceEntry& entry) {
-  const unsigned usual = entry.timing().offline_after;
+  const unsigned usual = entry.in_force().offline_after;
   return entry.is_unknown() ? std::min(usual, 1U) : usual;
 }
 
 bool may_be_tried_again(const Transmission& stop, const DeviceEntry& entry) {
-  return !stop.is_abandoned() && stop.tries <= entry.timing().stop_retries;
+  return !stop.is_abandoned() && stop.tries <= entry.in_force().stop_retries;
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ void Outcomes::note_unanswered(Transmission& transmission, Instant due, Instant 
 }
 
 void Outcomes::go_offline(DeviceEntry& entry, std::uint8_t address, Instant now) {
-  entry.health.set_probe_at(now + entry.timing().probe_interval);
+  entry.health.set_probe_at(now + entry.in_force().probe_interval);
   diagnosis_.notify(DeviceNotice::Kind::lost, address);
   ends_.end_waiting_for(address);
 }

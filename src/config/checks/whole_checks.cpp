@@ -12,12 +12,13 @@ namespace {
 using gateway::Settings;
 using routing::Route;
 
+/// Warnings, because a gateway that is not configured yet can be asked for its status and reloaded.
 void check_present(Draft& draft) {
-  if (stands_nowhere(draft.document.root(), "listen")) {
-    draft.document.error({}, "no [[listen]]: nobody could connect");
-  }
   if (stands_nowhere(draft.document.root(), "bus")) {
-    draft.document.error({}, "no [[bus]]: there would be nothing to reach");
+    draft.document.warning({}, "no [[bus]] is configured: there is no line to any device");
+  }
+  if (stands_nowhere(draft.document.root(), "listen")) {
+    draft.document.warning({}, "no [[listen]] is configured: no client can connect");
   }
 }
 
@@ -49,9 +50,10 @@ bool is_reached(const Settings& settings, drive::BusId id) {
          });
 }
 
-/// Transparent listeners pass units 1 to 247, and broadcasts if they are told to.
+/// Transparent listeners pass units 1 to 247 and those of devices, but for 255, which is the
+/// gateway; and broadcasts if they are told to.
 bool passes_writes(const gateway::ListenerSettings& listener, const drive::Device& device) {
-  constexpr std::uint8_t kLastUnit = 247;
+  constexpr std::uint8_t kLastUnit = 254;
   return listener.bus == device.bus && (listener.broadcast || device.has_every_unit ||
                                         (device.address >= 1 && device.address <= kLastUnit));
 }

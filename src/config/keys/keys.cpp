@@ -135,6 +135,7 @@ constexpr std::array kBusKeys = {
         "outstanding", kOutstanding,
         Lines::server, R"(belongs to mode = "tcp": a serial line carries one request at a time)"),
     plain<&BusSettings::check_unit>("check_unit", Truth{}, Lines::server, kServer),
+    plain<&BusSettings::check_transaction>("check_transaction", Truth{}, Lines::server, kServer),
     plain<&BusSettings::connect_delay>("connect_delay", DurationRange{0s, 1min}, Lines::server,
                                        kServer),
     plain<&BusSettings::replace_after>("replace_after", IntegerRange{0, 1000}, Lines::server,

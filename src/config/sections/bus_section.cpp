@@ -46,6 +46,19 @@ void check_frame_gap(TomlTable& table, const bus::BusSettings& settings) {
   }
 }
 
+/// Without transaction identifiers only the unit and the order tell whose an answer is.
+void check_identifiers(TomlTable& table, const bus::BusSettings& settings) {
+  if (settings.check_transaction) {
+    return;
+  }
+  if (settings.outstanding > 1) {
+    table.error("outstanding", "check_transaction = false needs outstanding = 1");
+  }
+  if (!settings.check_unit) {
+    table.error("check_transaction", "false needs check_unit = true");
+  }
+}
+
 /// What the system has behind the path; nothing if it is not there, or is no device.
 std::optional<dev_t> port_behind(const std::string& path) {
   struct stat status {};
@@ -132,6 +145,7 @@ void read_buses(Draft& draft) {
     check_reopening(table, settings);
     check_stop_deadline(table, settings);
     check_frame_gap(table, settings);
+    check_identifiers(table, settings);
     draft.settings.buses.push_back(std::move(settings));
   }
 }
@@ -152,7 +166,7 @@ void check_longest_quarantine(TomlTable& table, bool inherited, drive::DeviceTim
     return;
   }
   for (const auto* key : {"quarantine_max", "quarantine", "response_timeout"}) {
-    if (table.has(key)) {  // otherwise the bus has been told already
+    if (table.has(key)) {  // otherwise the error was reported at the bus
       table.error(key, "quarantine_max (" + to_text(timing.quarantine_max) +
                            ") is shorter than quarantine (" + to_text(first) +
                            (timing.quarantine ? ")" : ", one more response timeout)"));

@@ -43,8 +43,9 @@ void check_address_free(Draft& draft, const drive::Device& device) {
   }
 }
 
-/// Serial Line V1.02, 2.2: 1 to 247. A Modbus TCP server takes any unit identifier, and one that
-/// is alone behind its connection answers to 255 (Messaging on TCP/IP V1.0b, 4.4.2.3).
+/// Serial Line V1.02, 2.2: 1 to 247; but there are devices at addresses that it reserves. A Modbus
+/// TCP server takes any unit identifier, and one that is alone behind its connection answers to 255
+/// (Messaging on TCP/IP V1.0b, 4.4.2.3).
 void read_address(Draft& draft, TomlTable& table, drive::Device& device) {
   const bool tcp = is_tcp(draft, device.bus);
   if (tcp && !table.has("address")) {
@@ -53,7 +54,7 @@ void read_address(Draft& draft, TomlTable& table, drive::Device& device) {
     return;
   }
   table.require("address");
-  const auto address = table.integer("address", tcp ? kUnits : kSerialAddresses);
+  const auto address = table.integer("address", tcp ? kUnits : IntegerRange{1, kUnits.max});
   device.address = static_cast<std::uint8_t>(address.value_or(0));
   if (address && index(device.bus) < draft.settings.buses.size()) {
     check_address_free(draft, device);

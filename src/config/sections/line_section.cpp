@@ -90,7 +90,7 @@ void read_character(TomlTable& table, bus::LineSettings& line) {
   assign(line.format.parity, table.word<Parity>("parity", kParities));
 }
 
-/// How the kernel turns the line round, where it is told otherwise than by the device tree.
+/// Direction control by the kernel, where it differs from the device tree.
 void read_direction(TomlTable& table, bus::LineSettings& line) {
   assign(line.rs485, table.word<bus::Rs485>("rs485", kDirections));
   for (const auto* key : {"rs485_rts_on_send", "rs485_delay_before", "rs485_delay_after"}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// "did you mean": which known word a wrong one was probably meant to be.
+// The known word that a wrong one was probably meant to be, for "did you mean".
 #pragma once
 
 #include <optional>

@@ -62,10 +62,10 @@ std::optional<HostAndPort> parse_place(std::string_view place) {
 }
 
 /// What becomes of a connection that has been begun.
-error_code await_connected(ControlConnection& connection, const Patience& patience) {
+error_code await_connected(ControlConnection& connection, const WaitLimit& limit) {
   pollfd asked{connection.native_handle(), POLLOUT, 0};
   while (::poll(&asked, 1, static_cast<int>(kLook.count())) <= 0) {
-    if (patience.is_over()) {
+    if (limit.is_over()) {
       return boost::asio::error::timed_out;
     }
   }
@@ -78,7 +78,7 @@ error_code await_connected(ControlConnection& connection, const Patience& patien
 /// A Unix socket is connected at once, or its queue is full because mbgated hangs: then the kernel
 /// would wait without end.
 error_code connect_to(ControlConnection& connection, const stream_protocol::endpoint& endpoint,
-                      const Patience& patience) {
+                      const WaitLimit& limit) {
   error_code error;
   static_cast<void>(connection.open(endpoint.protocol(), error));
   if (!error) {
@@ -90,11 +90,11 @@ error_code connect_to(ControlConnection& connection, const stream_protocol::endp
       break;
     }
     if (errno == EINPROGRESS) {
-      return await_connected(connection, patience);
+      return await_connected(connection, limit);
     }
     if (errno != EAGAIN) {
       error.assign(errno, boost::system::system_category());
-    } else if (patience.is_over()) {
+    } else if (limit.is_over()) {
       error = boost::asio::error::timed_out;
     } else {
       std::this_thread::sleep_for(kLook);
@@ -120,9 +120,9 @@ LookedUp look_up(const HostAndPort& server) {
 }
 
 /// Nothing interrupts the system's search for a name, and Asio would wait for it to end. So it has
-/// a thread of its own, which is left behind where the patience is over: it ends with its search,
+/// a thread of its own, which is left behind where the time is over: it ends with its search,
 /// or with the process. An address needs none of that.
-LookedUp look_up_in_time(const HostAndPort& server, const Patience& patience) {
+LookedUp look_up_in_time(const HostAndPort& server, const WaitLimit& limit) {
   error_code is_a_name;
   const auto address = boost::asio::ip::make_address(server.host, is_a_name);
   if (!is_a_name) {
@@ -133,7 +133,7 @@ LookedUp look_up_in_time(const HostAndPort& server, const Patience& patience) {
   auto result = task.get_future();
   std::thread(std::move(task)).detach();
   while (result.wait_for(kLook) != std::future_status::ready) {
-    if (patience.is_over()) {
+    if (limit.is_over()) {
       return {{}, boost::asio::error::timed_out};
     }
   }
@@ -156,15 +156,15 @@ std::string wrong_place(const std::string& place) {
 }
 
 error_code connect(ControlConnection& connection, const std::string& place,
-                   const Patience& patience) {
+                   const WaitLimit& limit) {
   if (!is_tcp(place)) {
-    return connect_to(connection, boost::asio::local::stream_protocol::endpoint(place), patience);
+    return connect_to(connection, boost::asio::local::stream_protocol::endpoint(place), limit);
   }
-  const LookedUp server = look_up_in_time(*parse_place(place), patience);
+  const LookedUp server = look_up_in_time(*parse_place(place), limit);
   if (server.error) {
     return server.error;
   }
-  return try_in_turn(server.found.size(), patience, [&](std::size_t at, const Patience& share) {
+  return try_in_turn(server.found.size(), limit, [&](std::size_t at, const WaitLimit& share) {
     error_code ignored;
     static_cast<void>(connection.close(ignored));
     return connect_to(connection, server.found[at], share);
@@ -172,14 +172,14 @@ error_code connect(ControlConnection& connection, const std::string& place,
 }
 
 error_code try_in_turn(
-    std::size_t count, const Patience& patience,
-    const std::function<error_code(std::size_t place, const Patience& share)>& attempt) {
+    std::size_t count, const WaitLimit& limit,
+    const std::function<error_code(std::size_t place, const WaitLimit& share)>& attempt) {
   error_code error = boost::asio::error::host_not_found;
   for (std::size_t at = 0; at < count; ++at) {
     const auto now = std::chrono::steady_clock::now();
     const auto left = static_cast<std::chrono::steady_clock::rep>(count - at);
-    error = attempt(at, {now + (patience.end - now) / left, patience.give_up});
-    if (!error || patience.is_over()) {
+    error = attempt(at, {now + (limit.end - now) / left, limit.give_up});
+    if (!error || limit.is_over()) {
       break;
     }
   }

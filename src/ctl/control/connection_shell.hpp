@@ -17,8 +17,8 @@ using ControlConnection = boost::asio::generic::stream_protocol::socket;
 /// How long a wish to give up goes unnoticed.
 inline constexpr std::chrono::milliseconds kLook{50};
 
-/// How long the answer is waited for.
-struct Patience {
+/// Until when something is waited for, unless `give_up` says so earlier.
+struct WaitLimit {
   std::chrono::steady_clock::time_point end;
   const std::function<bool()>& give_up;
 
@@ -30,15 +30,15 @@ struct Patience {
 /// Why this is no place, a sentence, or nothing.
 std::string wrong_place(const std::string& place);
 
-/// The place must not be wrong. Where the patience is over, the error is timed_out.
+/// The place must not be wrong. Where the time is over, the error is timed_out.
 boost::system::error_code connect(ControlConnection& connection, const std::string& place,
-                                  const Patience& patience);
+                                  const WaitLimit& limit);
 
 /// Tries `count` places one by one until one can be reached. Each but the last gets a share of what
-/// is left of the patience: one that never answers leaves time for the others.
+/// is left of the time: one that never answers leaves time for the others.
 boost::system::error_code try_in_turn(
-    std::size_t count, const Patience& patience,
-    const std::function<boost::system::error_code(std::size_t place, const Patience& share)>&
+    std::size_t count, const WaitLimit& limit,
+    const std::function<boost::system::error_code(std::size_t place, const WaitLimit& share)>&
         attempt);
 
 /// What HTTP calls the other end: of TCP its address, by which it always answers.

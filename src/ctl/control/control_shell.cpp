@@ -50,12 +50,12 @@ class Exchange {
         limit_(limit),
         for_all_(for_all),
         give_up_(std::move(give_up)),
-        patience_{std::chrono::steady_clock::now() + limit, give_up_},
+        wait_limit_{std::chrono::steady_clock::now() + limit, give_up_},
         connection_(context_) {}
 
   /// Connects, and sends the request. Returns why not, or nothing.
   std::string ask(const std::string& method, const std::string& target) {
-    error_ = connect(connection_, place_, patience_);
+    error_ = connect(connection_, place_, wait_limit_);
     request_ = request_for(connection_, method, target);
     if (!error_) {
       do_in_time([&](auto done) { http::async_write(connection_, request_, done); });
@@ -89,12 +89,12 @@ class Exchange {
     start(
         [this](const boost::system::error_code& error, std::size_t /*bytes*/) { error_ = error; });
     if (!for_all_) {
-      patience_.end = std::chrono::steady_clock::now() + limit_;
+      wait_limit_.end = std::chrono::steady_clock::now() + limit_;
     }
     context_.restart();
-    while (!context_.stopped() && !patience_.is_over()) {
+    while (!context_.stopped() && !wait_limit_.is_over()) {
       const auto look = std::chrono::steady_clock::now() + kLook;
-      context_.run_until(give_up_ ? std::min(patience_.end, look) : patience_.end);
+      context_.run_until(give_up_ ? std::min(wait_limit_.end, look) : wait_limit_.end);
     }
   }
 
@@ -109,7 +109,7 @@ class Exchange {
   std::chrono::seconds limit_;
   bool for_all_;
   std::function<bool()> give_up_;
-  Patience patience_;
+  WaitLimit wait_limit_;
   boost::system::error_code error_;
   http::request<http::empty_body> request_;
   boost::beast::flat_buffer buffer_;

@@ -13,7 +13,7 @@
 
 #include "base/text.hpp"
 #include "ctl/visible_text.hpp"
-#include "modbus/exception_code.hpp"
+#include "modbus/codes.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -95,9 +95,9 @@ std::string table(const Row& head, std::span<const Row> rows, std::size_t words,
 
 std::string diagnoses_text(const boost::json::array& diagnoses) {
   if (diagnoses.empty()) {
-    return "Nothing is known to be wrong.\n";
+    return "No faults found.\n";
   }
-  std::string all = "NOT WELL\n";
+  std::string all = "FAULTS\n";
   for (const value& one : diagnoses) {
     const object& diagnosis = one.as_object();
     all += "  " + text(diagnosis, "subject") + ": " + text(diagnosis, "finding") + "\n";
@@ -108,6 +108,9 @@ std::string diagnoses_text(const boost::json::array& diagnoses) {
 }
 
 std::string buses_text(const boost::json::array& buses) {
+  if (buses.empty()) {
+    return "no [[bus]] is configured\n";
+  }
   std::vector<Row> rows;
   for (const value& one : buses) {
     const object& bus = one.as_object();
@@ -157,7 +160,7 @@ std::string exceptions_text(const object& exceptions) {
   return all.empty() ? all : all + "\n";
 }
 
-// "answering", "offline for 4 min": for how long all is well nobody asks.
+// "answering", "offline for 4 min": how long a device has been answering does not matter.
 std::string state_text(const object& device) {
   const std::string state = text(device, "state");
   const value& since = device.at("state_since_s");

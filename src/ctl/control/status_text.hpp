@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The status of mbgated for people: what is not well, then a table each of lines, drives and
-// clients.
+// The status of mbgated for people: faults, then a table each of lines, drives and clients.
 #pragma once
 
 #include <boost/json/object.hpp>

@@ -6,7 +6,7 @@
 #include "config/toml/duration_text.hpp"
 #include "ctl/doctor/line_findings.hpp"
 #include "ctl/doctor/trial.hpp"
-#include "modbus/exception_code.hpp"
+#include "modbus/codes.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -141,11 +141,11 @@ void judge_late(Finding& finding, const LinePlan& plan, const PlannedUnit& unit,
 
 /// Of a unit with answers that came after the next request was sent, or was about to be.
 void judge_overdue(Finding& finding, const PlannedUnit& unit, const Tally& tally) {
-  const auto patience = config::to_text(patience_with(unit) - unit.response_wait);
+  const auto wait = config::to_text(answer_wait(unit) - unit.response_wait);
   finding.verdict = Judgement::fault;
   finding.seen += "; " + counted(tally.overdue, "answer") + " came after more than " +
-                  config::to_text(patience_with(unit));
-  finding.advice = "set response_timeout to more than " + patience +
+                  config::to_text(answer_wait(unit));
+  finding.advice = "set response_timeout to more than " + wait +
                    ", and run this again; or see why the device takes so long";
 }
 

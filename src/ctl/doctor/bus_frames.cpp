@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "modbus/request_length.hpp"
+#include "modbus/request.hpp"
 #include "modbus/response.hpp"
 #include "modbus/rtu.hpp"
 

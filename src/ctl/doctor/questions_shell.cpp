@@ -125,11 +125,10 @@ std::optional<std::string> Questions::approach(const PlannedUnit& unit, Answers&
 std::optional<std::string> Questions::ask_once(const PlannedUnit& unit, Answers& answers) {
   const SentRead sent(unit.address, read_);
   bool interrupted = false;
-  const auto pieces =
-      client_.ask_all(sent, {patience_with(unit), kSecondAnswer, kRestOfFrame}, [&] {
-        interrupted = interrupted || interruption_.wait_until(steady_clock::now());
-        return interrupted;
-      });
+  const auto pieces = client_.ask_all(sent, {answer_wait(unit), kSecondAnswer, kRestOfFrame}, [&] {
+    interrupted = interrupted || interruption_.wait_until(steady_clock::now());
+    return interrupted;
+  });
   if (!pieces) {
     return pieces.error();
   }
@@ -149,7 +148,7 @@ std::optional<std::string> Questions::settle(const PlannedUnit& unit, Answers& a
   if (trials.back().kind != HeardKind::answer || owed_answers(trials) == 0) {
     return std::nullopt;
   }
-  auto error = look(answers, patience_with(unit) + kRestOfFrame);
+  auto error = look(answers, answer_wait(unit) + kRestOfFrame);
   trials.back().settled = !error;
   return error;
 }

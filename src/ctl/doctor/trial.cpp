@@ -104,7 +104,7 @@ namespace {
 constexpr std::ptrdiff_t kGivenUp = 3;
 /// Nor do more than so many of which none was answered, whatever was heard.
 constexpr std::size_t kNeverAnswered = 5;
-constexpr std::chrono::milliseconds kLeastPatience{1000};
+constexpr std::chrono::milliseconds kShortestAnswerWait{1000};
 
 std::size_t without(std::size_t owed, std::size_t came) { return owed - std::min(owed, came); }
 
@@ -168,8 +168,8 @@ Tally tally_of(const UnitTrials& unit) {
   return tally;
 }
 
-std::chrono::nanoseconds patience_with(const PlannedUnit& unit) {
-  return std::max<std::chrono::nanoseconds>(2 * unit.timeout, kLeastPatience);
+std::chrono::nanoseconds answer_wait(const PlannedUnit& unit) {
+  return std::max<std::chrono::nanoseconds>(2 * unit.timeout, kShortestAnswerWait);
 }
 
 std::size_t owed_answers(const std::vector<Trial>& trials) {

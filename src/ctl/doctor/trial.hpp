@@ -77,7 +77,7 @@ Tally tally_of(const UnitTrials& unit);
 
 /// How long a unit is listened to for an answer. Those that the gateway does not wait for are heard
 /// too.
-std::chrono::nanoseconds patience_with(const PlannedUnit& unit);
+std::chrono::nanoseconds answer_wait(const PlannedUnit& unit);
 
 /// How many answers to these may still come.
 std::size_t owed_answers(const std::vector<Trial>& trials);

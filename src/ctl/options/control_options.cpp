@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "ctl/options/subcommands.hpp"
-#include "modbus/function_code.hpp"
+#include "modbus/codes.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -69,16 +69,15 @@ TraceCommand trace_of(const TraceWords& words) {
 
 void add_status(CLI::App& app, const Choose& choose) {
   auto* status = app.add_subcommand(
-      "status",
-      "Show how a running mbgated, its lines and its drives are: what is not well first.");
+      "status", "Show the status of a running mbgated, its lines and its drives: faults first.");
   const auto words = std::make_shared<StatusWords>();
   auto* watch = status->add_flag(
       "--watch", words->watch,
       "show it again and again, on a terminal in place, until q is typed or it is interrupted");
-  status->add_option("--every", words->every, "with --watch: how often, from start to start")
+  status->add_option("--every", words->every, "with --watch: at this interval")
       ->needs(watch)
       ->capture_default_str();
-  status->add_option("--times", words->command.times, "with --watch: end after so many times")
+  status->add_option("--times", words->command.times, "with --watch: end after this many times")
       ->needs(watch)
       ->check(CLI::Range(1U, kMost));
   status->add_flag("--json", words->command.json, "for programs: one JSON object a line");
@@ -104,7 +103,7 @@ void add_reload(CLI::App& app, const Choose& choose) {
 void add_clear_counters(CLI::App& app, const Choose& choose) {
   auto* clear = app.add_subcommand(
       "clear-counters",
-      "Have all counters of a running mbgated, of lines, drives and requests, begin anew.");
+      "Set all counters of a running mbgated to zero: those of lines, drives and requests.");
   const auto words = std::make_shared<ClearCountersCommand>();
   add_control(*clear, words->socket);
   clear->callback([words, choose] { choose(*words); });
@@ -122,8 +121,8 @@ void add_events(CLI::App& app, const Choose& choose) {
 void add_trace(CLI::App& app, const Choose& choose) {
   auto* trace = app.add_subcommand(
       "trace",
-      "Print what goes through a running mbgated: each request as it came, what went on the wire "
-      "for it, what was heard, what the client got.");
+      "Print what goes through a running mbgated: each request, what was sent on the line for it, "
+      "what was received, and what the client got.");
   const auto words = std::make_shared<TraceWords>();
   TraceCommand& command = words->command;
   TraceFilter& filter = command.filter;
@@ -140,7 +139,7 @@ void add_trace(CLI::App& app, const Choose& choose) {
                                   "write a capture for Wireshark too; - is standard output")
                      ->type_name("FILE");
   trace->add_flag("--quiet", command.quiet, "with --pcapng: print nothing")->needs(pcapng);
-  trace->add_option("--times", command.times, "end after so many records")
+  trace->add_option("--times", command.times, "end after this many records")
       ->check(CLI::Range(1U, kMost));
   add_control(*trace, command.socket);
   trace->callback([words, choose] { choose(trace_of(*words)); });

@@ -134,14 +134,14 @@ DoctorCommand doctor_of(const DoctorWords& words) {
 void add_scan(CLI::App& app, const Choose& choose) {
   auto* scan = app.add_subcommand(
       "scan",
-      "Ask every unit of a bus what it is, through a transparent listener, and print a "
+      "Identify the device at every unit of a bus, through a transparent listener, and print a "
       "configuration to start from. Only reads (functions 01 to 04) are sent, one at a time. "
       "Each unit that is absent costs the bus's response timeout, once more for each retry: "
       "about 2 s with the defaults, a minute for 32 units. With --device a serial port is "
-      "scanned without a gateway, and its rate and parity are found out.");
+      "scanned without a gateway, and its baud rate and parity are found.");
   const auto words = std::make_shared<ScanWords>();
   ScanCommand& command = words->command;
-  scan->add_option("--units", words->units, "whom to ask: 5 or 1-32 or 1-8,17")
+  scan->add_option("--units", words->units, "units to ask: 5 or 1-32 or 1-8,17")
       ->capture_default_str();
   add_server(*scan, words->server);
   add_port_to_scan(*scan, *words);
@@ -158,18 +158,18 @@ void add_scan(CLI::App& app, const Choose& choose) {
 void add_doctor(CLI::App& app, const Choose& choose) {
   auto* doctor = app.add_subcommand(
       "doctor",
-      "Say what is wrong with a serial line, step by step, and how it is known: the port, the "
-      "permission, who holds it, the adapter's delay, noise, an echo, the answers of the "
-      "devices, two of them at one address. No gateway may hold the port. Only reads are "
-      "sent, and none where another client is heard.");
+      "Examine a serial line step by step and report each fault with its evidence: the port, its "
+      "permissions, the process that holds it, the adapter's delay, noise, echo, the answers of "
+      "the devices, two devices at one address. No gateway may hold the port. Only reads are "
+      "sent, and none once another client is heard.");
   const auto words = std::make_shared<DoctorWords>();
   DoctorCommand& command = words->command;
   add_line_to_doctor(*doctor, *words);
   doctor->add_option("--address", words->units,
-                     "whom to ask: 5 or 1-8,17; none: the devices of the configuration");
+                     "addresses to ask: 5 or 1-8,17; default: the devices of the configuration");
   doctor
       ->add_option("--register", command.holding_register,
-                   "the holding register that is read, its protocol address")
+                   "protocol address of the holding register to read")
       ->capture_default_str();
   doctor->add_option("--requests", command.requests, "how many reads each device gets")
       ->check(CLI::Range(1U, kMostReads))

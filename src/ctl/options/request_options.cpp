@@ -111,7 +111,7 @@ void add_read(CLI::App& app, const Choose& choose) {
       ->capture_default_str();
   auto* every =
       read->add_option("--every", words->every,
-                       "read again and again, from start to start: 500ms; until interrupted");
+                       "repeat the read at this interval, such as 500ms, until interrupted");
   read->add_option("--times", command.times, "with --every: how often")
       ->needs(every)
       ->check(CLI::Range(1U, kMostTimes));

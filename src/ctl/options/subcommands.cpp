@@ -41,7 +41,7 @@ void add_tls(CLI::App& command, ServerWords& words) {
   command.add_option("--key", identity.key, "with --tls: its private key, in PEM")->needs(tls);
   command
       .add_option("--authorities", identity.authorities,
-                  "with --tls: who may have signed the gateway's certificate, in PEM")
+                  "with --tls: authorities that may have signed the gateway's certificate, in PEM")
       ->needs(tls);
   command
       .add_option("--server-name", identity.server_name,
@@ -85,10 +85,9 @@ Target target_of(const ServerWords& words) {
 }
 
 void add_profile(CLI::App& app, const Choose& choose) {
-  auto* profile =
-      app.add_subcommand("profile", "Show what is known of a kind of drive, or list all kinds.");
+  auto* profile = app.add_subcommand("profile", "Show a drive profile, or list all of them.");
   const auto words = std::make_shared<ProfileCommand>();
-  profile->add_option("name", words->which, "of a profile, or a file; none: list all");
+  profile->add_option("name", words->which, "name or file of a profile; default: list all");
   add_profile_folder(*profile, words->folder);
   profile->add_flag("--json", words->json, "for programs");
   profile->callback([words, choose] { choose(*words); });
@@ -96,8 +95,7 @@ void add_profile(CLI::App& app, const Choose& choose) {
 
 void add_check(CLI::App& app, const Choose& choose) {
   auto* check = app.add_subcommand(
-      "check",
-      "Say what is wrong with a configuration, as mbgated --check does. No port is opened.");
+      "check", "Report the errors of a configuration, as mbgated --check does. No port is opened.");
   const auto words = std::make_shared<CheckCommand>();
   check
       ->add_option("file", words->config,
@@ -110,8 +108,8 @@ void add_check(CLI::App& app, const Choose& choose) {
 void add_replay(CLI::App& app, const Choose& choose) {
   auto* replay = app.add_subcommand(
       "replay",
-      "Say whether this version does what a recorded mbgated did, or where it first does something "
-      "else. No port is opened.");
+      "Replay a recording of mbgated, and report where this version first does something else. No "
+      "port is opened.");
   const auto words = std::make_shared<ReplayCommand>();
   replay->add_option("file", words->recording, "a recording of mbgated --record")->required();
   add_profile_folder(*replay, words->folder);

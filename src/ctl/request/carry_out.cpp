@@ -11,7 +11,7 @@
 #include "ctl/request/modbus_client.hpp"
 #include "ctl/request/repetition.hpp"
 #include "ctl/request/report.hpp"
-#include "modbus/exception_code.hpp"
+#include "modbus/codes.hpp"
 
 namespace mbgate::ctl {
 namespace {

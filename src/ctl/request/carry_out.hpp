@@ -38,7 +38,7 @@ int replay_recording(const ReplayCommand& command, std::ostream& out, std::ostre
 /// A line for each step as it is done; with --json one object at the end. A fault that was found is
 /// kExitNotDone.
 int examine_line(const DoctorCommand& command, std::ostream& out, std::ostream& errors);
-/// The state of lines, drives and clients, what is not well first. With `command.every` again and
+/// The state of lines, drives and clients, faults first. With `command.every` again and
 /// again, on a screen or as blocks of text, also where mbgated does not answer.
 int show_status(const StatusCommand& command, std::ostream& out, std::ostream& errors);
 /// Returns when the new configuration is in force, or was refused: then the reasons are printed.

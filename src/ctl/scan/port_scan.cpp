@@ -20,12 +20,12 @@ using modbus::TableRange;
 constexpr const char* kInterrupted = "interrupted";
 /// Units that are there get more time than those that may not be: long reads take a drive longer,
 /// and an answer that comes later would be taken for that to the next read.
-constexpr std::chrono::seconds kPatience{2};
+constexpr std::chrono::seconds kPresentUnitWait{2};
 
 /// The client, and the pauses between its questions, in which a signal ends the scan.
-class PatientClient {
+class PausingClient {
  public:
-  explicit PatientClient(SerialClient client) : client_(std::move(client)) {}
+  explicit PausingClient(SerialClient client) : client_(std::move(client)) {}
 
   std::optional<std::string> set_mode(const LineMode& mode) { return client_.set_mode(mode); }
 
@@ -58,7 +58,7 @@ class ProgressLine {
   std::ostream& errors_;
 };
 
-Result<Answer, std::string> identify(PatientClient& client, std::uint8_t unit,
+Result<Answer, std::string> identify(PausingClient& client, std::uint8_t unit,
                                      const TableRange& read, std::chrono::nanoseconds wait) {
   const auto heard = client.ask(unit, read, wait);
   if (!heard) {
@@ -95,14 +95,14 @@ FoundLine line_found(const std::string& device, const LineMode& mode) {
 }
 
 /// Identifies the units that answered in one mode.
-ScanResult identify_all(PatientClient& client, const PortSweep& port, const Catalogue& catalogue,
+ScanResult identify_all(PausingClient& client, const PortSweep& port, const Catalogue& catalogue,
                         const ModeFindings& best, const ProgressLine& line) {
   if (auto why = client.set_mode(best.mode)) {
     ScanResult result;
     result.error = port.device + ": " + *why;
     return result;
   }
-  const auto wait = std::max<std::chrono::nanoseconds>(port.wait, kPatience);
+  const auto wait = std::max<std::chrono::nanoseconds>(port.wait, kPresentUnitWait);
   const auto ask = [&](std::uint8_t unit, const TableRange& read) {
     return identify(client, unit, read, wait);
   };
@@ -127,7 +127,7 @@ PortScan scan_port(const ScanCommand& command, const Catalogue& catalogue, std::
   if (!command.json || command.show_progress) {
     errors << sweep_announcement(port.device, sweep.plan()) << '\n' << std::flush;
   }
-  PatientClient client(*std::move(opened));
+  PausingClient client(*std::move(opened));
   const ProgressLine line(command.show_progress, errors);
   const auto error = carry_out_sweep(
       sweep, {[&](const LineMode& mode) { return client.set_mode(mode); },

@@ -7,7 +7,6 @@
 #include "modbus/ascii.hpp"
 #include "modbus/mbap.hpp"
 #include "modbus/request.hpp"
-#include "modbus/request_length.hpp"
 #include "modbus/response.hpp"
 #include "modbus/rtu.hpp"
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/text.hpp"
+#include "modbus/codes.hpp"
 #include "modbus/describe.hpp"
-#include "modbus/function_code.hpp"
 #include "modbus/mbap.hpp"
 
 namespace mbgate::ctl {

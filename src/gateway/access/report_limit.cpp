@@ -1,9 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
+
 #include "gateway/access/report_limit.hpp"
 
+#include <utility>
+
+#include "gateway/access/who.hpp"
 #include "gateway/limits.hpp"
 
 namespace mbgate::gateway {
+
+namespace {
+
+bool is_stop(const SettingsSnapshot& settings, const WriteRules& rules, const ClientInfo& client,
+             const modbus::MbapAdu& request) {
+  const auto* route = settings.routes.find(client.listener, request.header.unit);
+  if (route == nullptr || settings.settings.status_unit == request.header.unit) {
+    return false;
+  }
+  const auto plan = routing::Plan::make_denied(*route, request.header.unit, request.pdu);
+  return plan && rules.is_stop(*plan);
+}
+
+Denied denial_of(const SettingsSnapshot& settings, const ClientInfo& client,
+                 const modbus::MbapAdu& request, std::uint64_t left_out) {
+  const WhoAnswer answer = who_may(settings, client, request.header.unit, request.pdu);
+  // --who does not know who has written last.
+  return {asked_of(client, request),
+          answer.permitted ? "denied by writer: another client writes now" : answer.by, left_out};
+}
+
+}  // namespace
 
 bool ReportLimit::is_over(const Minute& minute, bus::Instant now) {
   return minute.reports == 0 || now - minute.began >= kReportedEvery;
@@ -31,6 +57,22 @@ std::optional<std::uint64_t> ReportLimit::note(const ClientInfo& client, bus::In
   }
   ++minute.reports;
   return std::exchange(minute.left_out, 0);
+}
+
+std::optional<Event> DenialReports::note(const SettingsSnapshot& settings, const WriteRules& rules,
+                                         const ClientInfo& client, const modbus::MbapAdu& request,
+                                         Instant now) {
+  const auto report = [&]<typename Kind>(ReportLimit& limit, std::in_place_type_t<Kind>) {
+    const auto left_out = limit.note(client, now);
+    return left_out ? std::optional<Event>(Kind{denial_of(settings, client, request, *left_out)})
+                    : std::nullopt;
+  };
+  if (modbus::is_read(request.pdu.bytes())) {
+    return report(reads_, std::in_place_type<ReadDenied>);
+  }
+  return is_stop(settings, rules, client, request)
+             ? report(stops_, std::in_place_type<StopDenied>)
+             : report(writes_, std::in_place_type<WriteDenied>);
 }
 
 }  // namespace mbgate::gateway

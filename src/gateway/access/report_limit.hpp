@@ -11,6 +11,10 @@
 
 #include "bus/instant.hpp"
 #include "gateway/client.hpp"
+#include "gateway/event.hpp"
+#include "gateway/limits.hpp"
+#include "gateway/settings/settings_snapshot.hpp"
+#include "gateway/writes/write_rules.hpp"
 
 namespace mbgate::gateway {
 
@@ -36,6 +40,22 @@ class ReportLimit {
   unsigned per_minute_;
   std::map<Client, Minute> minutes_;
   Minute of_others_;
+};
+
+// Which denied requests the journal is told of, and what it is told. Reads, writes and stops are
+// counted apart, so that none of them hides another.
+
+class DenialReports {
+ public:
+  /// The request was denied. Nothing if that is not to be reported.
+  [[nodiscard]] std::optional<Event> note(const SettingsSnapshot& settings, const WriteRules& rules,
+                                          const ClientInfo& client, const modbus::MbapAdu& request,
+                                          Instant now);
+
+ private:
+  ReportLimit reads_{kDenialsReported};
+  ReportLimit writes_{kDenialsReported};
+  ReportLimit stops_{kActsReported};
 };
 
 }  // namespace mbgate::gateway

@@ -59,12 +59,12 @@ bool AddressLimits::may_ask(const ClientSession& session, Instant now) {
   return has_room;
 }
 
-bool AddressLimits::is_to_be_told(const ClientSession& session, Instant now) {
-  std::optional<Instant>& told_at = entries_.at(place_of(session)).told_at;
-  if (told_at && now < *told_at + kOverRateToldEvery) {
+bool AddressLimits::may_be_reported(const ClientSession& session, Instant now) {
+  std::optional<Instant>& reported_at = entries_.at(place_of(session)).reported_at;
+  if (reported_at && now < *reported_at + kOverRateToldEvery) {
     return false;
   }
-  told_at = now;
+  reported_at = now;
   return true;
 }
 

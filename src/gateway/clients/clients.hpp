@@ -2,7 +2,7 @@
 // The client side: what each connection brings, when it is read, and when it is closed.
 #pragma once
 
-#include "gateway/clients/client_door.hpp"
+#include "gateway/clients/client_admission.hpp"
 #include "gateway/clients/requests.hpp"
 
 namespace mbgate::gateway {
@@ -54,7 +54,7 @@ class Clients {
   ActionQueue& actions_;
   Sessions sessions_;
   Intake intake_;
-  ClientDoor door_;
+  ClientAdmission door_;
   Requests requests_;
 };
 

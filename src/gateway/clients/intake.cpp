@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "gateway/limits.hpp"
-#include "gateway/settings/unit_meaning.hpp"
+#include "gateway/settings/settings_snapshot.hpp"
 
 namespace mbgate::gateway {
 
@@ -155,7 +155,7 @@ bool Intake::is_outdated(const ClientSession& session, const Request& request) c
 }
 
 void Intake::adopt(const SettingsSnapshot& before, Instant now) {
-  unrouted_told_.clear();
+  unrouted_reported_.clear();
   access_.forget_rates();
   for (std::size_t listener = 0; listener < before.settings.listeners.size(); ++listener) {
     for (unsigned unit = 0; unit <= std::numeric_limits<std::uint8_t>::max(); ++unit) {
@@ -172,8 +172,8 @@ void Intake::notice_unrouted(const ClientSession& session, const Request& reques
   const ClientInfo& info = session.info();
   const bool is_unrouted = request.route == nullptr && request.verdict.permitted &&
                            request.refused != ExceptionCode::server_device_busy;
-  if (is_unrouted && unrouted_told_.size() < kUnroutedTold &&
-      unrouted_told_.emplace(info.listener, info.address).second) {
+  if (is_unrouted && unrouted_reported_.size() < kUnroutedTold &&
+      unrouted_reported_.emplace(info.listener, info.address).second) {
     actions_.push(Report{UnitNotRouted{info.listener, info.address, request.adu.header.unit,
                                        settings_.in_force().routes.units(info.listener)}});
   }

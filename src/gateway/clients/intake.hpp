@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "gateway/access/access_book.hpp"
-#include "gateway/access/denial_reports.hpp"
+#include "gateway/access/report_limit.hpp"
+#include "gateway/action.hpp"
 #include "gateway/clients/client_session.hpp"
-#include "gateway/reports.hpp"
 #include "gateway/settings/settings_snapshot.hpp"
 #include "gateway/status_unit.hpp"
 #include "gateway/writes/write_rules.hpp"
@@ -92,7 +92,7 @@ class Intake {
   ClientCounters counters_;
   AccessBook access_;
   DenialReports denials_;
-  std::set<std::pair<ListenerId, routing::ClientAddress>> unrouted_told_;
+  std::set<std::pair<ListenerId, routing::ClientAddress>> unrouted_reported_;
   /// When a unit of a listener came to mean something else.
   std::map<std::pair<ListenerId, std::uint8_t>, Instant> changed_at_;
 };

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/assert.hpp"
-#include "gateway/settings/unit_meaning.hpp"
+#include "gateway/settings/settings_snapshot.hpp"
 #include "routing/broadcast_plan.hpp"
 
 namespace mbgate::gateway {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "bus/job.hpp"
+#include "gateway/action.hpp"
 #include "gateway/client.hpp"
 #include "gateway/settings/device_index.hpp"
 #include "gateway/settings/settings_snapshot.hpp"
@@ -56,5 +57,9 @@ struct Exchange {
 /// its device may have changed.
 [[nodiscard]] bool means_otherwise(const Exchange& exchange, const Exchange::Part& part,
                                    const SettingsSnapshot& old, const SettingsSnapshot& next);
+
+/// To be called when a job has ended. The settings are those in which the job's bus has its number.
+void report_effects(const Exchange& exchange, const Exchange::Part& part, bus::Ending ending,
+                    const Settings& settings, ActionQueue& actions);
 
 }  // namespace mbgate::gateway

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "gateway/exchanges/exchange.hpp"
-#include "gateway/settings/unit_meaning.hpp"
+#include "gateway/settings/settings_snapshot.hpp"
 
 namespace mbgate::gateway {
 namespace {

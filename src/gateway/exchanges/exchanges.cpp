@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "base/assert.hpp"
-#include "gateway/exchanges/write_effects.hpp"
+#include "gateway/exchanges/exchange.hpp"
 #include "gateway/limits.hpp"
 #include "gateway/settings/numbering.hpp"
 

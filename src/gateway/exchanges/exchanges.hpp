@@ -6,10 +6,10 @@
 #include <optional>
 
 #include "bus/action_queue.hpp"
+#include "gateway/action.hpp"
 #include "gateway/bus_set.hpp"
 #include "gateway/exchanges/exchange.hpp"
 #include "gateway/pool.hpp"
-#include "gateway/reports.hpp"
 
 namespace mbgate::gateway {
 

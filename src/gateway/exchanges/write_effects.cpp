@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/exchanges/write_effects.hpp"
+#include "gateway/exchanges/exchange.hpp"
 
 namespace mbgate::gateway {
 namespace {

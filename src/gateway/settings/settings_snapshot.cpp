@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+
 #include "gateway/settings/settings_snapshot.hpp"
 
+#include <algorithm>
+
 namespace mbgate::gateway {
+
 namespace {
 
 std::vector<routing::ListenerKind> kinds_of(const Settings& settings) {
@@ -14,6 +18,11 @@ std::vector<routing::ListenerKind> kinds_of(const Settings& settings) {
                      listener.broadcast_mixed, !is_ascii});
   }
   return kinds;
+}
+
+const drive::Device* device_at(const SettingsSnapshot& snapshot, BusId bus, std::uint8_t address) {
+  const auto place = snapshot.devices.at(bus, address);
+  return place ? &snapshot.settings.devices[*place] : nullptr;
 }
 
 }  // namespace
@@ -30,6 +39,51 @@ const DeviceGuard* SettingsSnapshot::guard(std::size_t device) const {
 std::span<const modbus::Request> SettingsSnapshot::failsafe(std::size_t device) const {
   const DeviceGuard* known = guard(device);
   return known != nullptr ? std::span(known->failsafe) : std::span<const modbus::Request>();
+}
+
+bool is_other_device(const SettingsSnapshot& old, const SettingsSnapshot& next, BusId bus,
+                     std::uint8_t address) {
+  const drive::Device* before = device_at(old, bus, address);
+  const drive::Device* after = device_at(next, bus, address);
+  if (before == nullptr || after == nullptr) {
+    return before != after;
+  }
+  return before->name != after->name || !after->understands_as(*before);
+}
+
+bool has_other_devices(const SettingsSnapshot& old, const SettingsSnapshot& next, BusId bus) {
+  for (std::size_t address = 0; address < DeviceIndex::kAddresses; ++address) {
+    if (is_other_device(old, next, bus, static_cast<std::uint8_t>(address))) {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool unit_means_otherwise(ListenerId listener, std::uint8_t unit, const SettingsSnapshot& old,
+                          const SettingsSnapshot& next) {
+  const bool was_own = old.settings.status_unit == unit;
+  const bool is_own = next.settings.status_unit == unit;
+  if (was_own || is_own) {
+    return was_own != is_own;
+  }
+  const routing::ResolvedRoute* before = old.routes.find(listener, unit);
+  const routing::ResolvedRoute* after = next.routes.find(listener, unit);
+  if (before == nullptr || after == nullptr) {
+    return before != after;
+  }
+  const routing::Route& from = before->route;
+  const routing::Route& to = after->route;
+  if (before->is_broadcast() != after->is_broadcast() || from.buses != to.buses ||
+      from.word_order != to.word_order || from.windows != to.windows) {
+    return true;
+  }
+  if (after->is_broadcast()) {
+    return std::ranges::any_of(to.buses,
+                               [&](BusId bus) { return has_other_devices(old, next, bus); });
+  }
+  return from.address_of(unit) != to.address_of(unit) ||
+         is_other_device(old, next, to.buses.front(), to.address_of(unit));
 }
 
 }  // namespace mbgate::gateway

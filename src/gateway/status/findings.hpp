@@ -25,7 +25,7 @@ std::string mode_text(const BusStatus& bus);
 std::string subject_of(const BusStatus& bus);
 std::string subject_of(const StatusReport& report, const DeviceStatus& device);
 
-/// Did it happen in the last ten minutes? What was noticed once is no matter of today.
+/// Did it happen in the last ten minutes? What happened earlier is no longer reported.
 [[nodiscard]] bool is_lately(const std::optional<Duration>& ago);
 
 /// Do bytes come from it, whatever they are? Bad CRCs of earlier say nothing of a device that is

@@ -95,12 +95,12 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
     status.silent_for = std::max(now - entry.silence.began(), Duration{0});
   }
   status.held_back = bus.view().held_back(address, now);
-  status.quarantine = entry.hold.tail(now, entry.timing());
-  status.least_quarantine = entry.timing().quarantine_or_default();
+  status.quarantine = entry.hold.tail(now, entry.in_force());
+  status.least_quarantine = entry.in_force().quarantine_or_default();
   if (entry.health.is_offline()) {
     status.next_probe = std::max(entry.health.probe_at() - now, Duration{0});
   }
-  status.response_timeout = entry.timing().response_timeout;
+  status.response_timeout = entry.in_force().response_timeout;
   status.last_second_answer = since(
       bus.diagnosis().echo() == bus::NoticedEcho::none ? entry.second_at : entry.second_read_at,
       now);

@@ -198,7 +198,7 @@ void LineTrace::over(const bus::TransmissionOver& over, Instant now) {
   if (over.how == bus::LineEnd::How::sent && wire.heard.empty()) {
     echo_ = wire.frame;
   }
-  told_.push_back({over.title, std::move(wire)});
+  reported_.push_back({over.title, std::move(wire)});
 }
 
 void LineTrace::answered(std::uint32_t request, Instant now) {
@@ -220,14 +220,14 @@ void LineTrace::rest(Instant now) {
 
 void LineTrace::end_unasked() {
   if (unasked_) {
-    told_.push_back({{}, *std::exchange(unasked_, std::nullopt)});
+    reported_.push_back({{}, *std::exchange(unasked_, std::nullopt)});
   }
 }
 
 void LineTrace::end_cut(Flight cut, Instant now) {
   cut.wire.outcome = WireTrace::Outcome::cut;
   cut.wire.ended_at = now;
-  told_.push_back({std::move(cut.title), std::move(cut.wire)});
+  reported_.push_back({std::move(cut.title), std::move(cut.wire)});
 }
 
 }  // namespace mbgate::gateway

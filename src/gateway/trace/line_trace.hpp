@@ -41,7 +41,7 @@ class LineTrace {
   /// Bytes that nobody had asked for come to their end with a pause, or after a while.
   void rest(Instant now);
 
-  std::vector<Told> take() { return std::exchange(told_, {}); }
+  std::vector<Told> take() { return std::exchange(reported_, {}); }
 
  private:
   struct Flight {
@@ -61,7 +61,7 @@ class LineTrace {
   ByteString partial_;  // of a connection: the beginning of an ADU
   std::size_t from_before_ = 0;
   ByteString echo_;  // of a broadcast: it may be heard when the transaction is over
-  std::vector<Told> told_;
+  std::vector<Told> reported_;
 };
 
 }  // namespace mbgate::gateway

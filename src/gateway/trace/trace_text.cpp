@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "modbus/ascii.hpp"
-#include "modbus/crc16.hpp"
+#include "modbus/checksum.hpp"
 #include "modbus/describe.hpp"
 #include "modbus/request.hpp"
 #include "modbus/response.hpp"

@@ -102,7 +102,7 @@ void FailsafeWrites::client_asked(const ClientSession& client, const routing::Pl
     watch.active = now;
     watch.gone_at.reset();
     if (watch.due && !stopping_) {
-      if (std::exchange(watch.is_told, false)) {
+      if (std::exchange(watch.is_reported, false)) {
         report(settings_.settings().devices[device], watch, FailsafeOutcome::client_back);
       }
       abandon(watch);
@@ -216,7 +216,7 @@ void FailsafeWrites::end_run(std::size_t place, Watch& watch) {
   } else if (stopping_) {
     report(device, watch, FailsafeOutcome::given_up);
   } else {
-    if (!std::exchange(watch.is_told, true)) {
+    if (!std::exchange(watch.is_reported, true)) {
       report(device, watch, FailsafeOutcome::waits);
     }
     earliest_ = bus::earlier(earliest_, watch.again);

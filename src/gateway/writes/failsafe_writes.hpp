@@ -48,7 +48,7 @@ class FailsafeWrites {
     Instant active = Instant::min();   ///< when one that counts asked, or was answered
     std::optional<Instant> gone_at{};  ///< the last such connection ended; nobody asked since
     std::optional<FailsafeReason> due{};
-    bool is_told = false;            ///< that they are not acknowledged yet
+    bool is_reported = false;        ///< that they are not acknowledged yet
     Instant again = Instant::min();  ///< due: they are sent then
     std::vector<Write> writes{};     ///< due: as the guard has them
     [[nodiscard]] bool is_under_way() const;

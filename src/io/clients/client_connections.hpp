@@ -25,8 +25,8 @@ class ClientConnections {
   gateway::ClientId add(ClientSocket socket);
   /// nullptr if it has ended or was closed.
   [[nodiscard]] TcpConnection* find(gateway::ClientId client) const;
-  /// Reads each once, as after a pause: what waited in them while nobody read is told before what
-  /// comes from now on.
+  /// Reads each once, as after a pause: what waited in them while nobody read is reported before
+  /// what comes from now on.
   void read_all();
   /// The connection has ended by itself.
   void note_disconnected(gateway::ClientId client) { connections_.erase(client); }

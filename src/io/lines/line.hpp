@@ -85,8 +85,8 @@ class Line {
 std::unique_ptr<Line> make_line(const LineContext& context, drive::BusId bus,
                                 const bus::LineSettings& line);
 
-// Reads what can be read from a line now, and nothing that comes meanwhile: a peer that never stops
-// sending must not block the io thread.
+// Reads what is waiting in a line's descriptor, and nothing that arrives meanwhile: a peer that
+// never stops sending must not block the io thread.
 
 /// So much of a line is read at once: a framer has room for that behind a frame that has begun.
 inline constexpr std::size_t kLineReadSize = 2 * modbus::kMaxRtuSize;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the lines have open: ports by their device numbers, servers by their addresses. Two buses on
-// one of them would talk into each other's transactions, whatever names lead there.
+// The serial ports and servers that lines have open, by device number and by address. It keeps two
+// buses from using the same one under different names: each would disturb the transactions of the
+// other.
 #pragma once
 
 #include <sys/stat.h>
@@ -48,8 +49,8 @@ inline std::string port_end(const std::string& device) {
              : device;
 }
 
-// The serial ports that are being closed, which may take long. Whoever opens one of them next waits
-// for that, whichever bus it is: the port is not free before.
+// The serial ports that are being closed, which may take long. A bus that opens one of them waits
+// until the port is free.
 
 /// What the opening of a port waits for: that the port which its line had before is given back,
 /// which may be the same by another path, and the one that is to be opened.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Certificates and lists of revoked ones in a few words, so that the journal can say which is in
-// use: the beginning of the SHA-256 of each, as `openssl x509 -fingerprint -sha256` and `openssl
-// crl -fingerprint -sha256` print it.
+// Fingerprints by which the journal names certificates and revocation lists: the beginning of the
+// SHA-256 of each, as `openssl x509 -fingerprint -sha256` and `openssl crl -fingerprint -sha256`
+// print it.
 #pragma once
 
 #include <span>

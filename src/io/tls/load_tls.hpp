@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The certificates of a configuration, read and looked at.
+// Reads and checks the certificates of a configuration.
 #pragma once
 
 #include <string>

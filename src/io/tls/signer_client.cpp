@@ -24,10 +24,10 @@ using signing::Question;
 using std::chrono::milliseconds;
 
 /// A signer that systemd starts now needs some time.
-constexpr milliseconds kPatienceToOpen{2000};
+constexpr milliseconds kOpenLimit{2000};
 /// A signature of RSA with 8192 bits takes some 30 ms; more is a signer that hangs. All clients of
 /// TLS wait meanwhile.
-constexpr milliseconds kPatienceToSign{200};
+constexpr milliseconds kSignLimit{200};
 /// How long a signer that did not answer in time is not asked again.
 constexpr milliseconds kBroken{1000};
 constexpr const char* kNoAnswer = "mbgate-signer does not answer";
@@ -102,7 +102,7 @@ SignerClient::Failure SignerClient::absent(const std::string& why) const {
 Result<std::shared_ptr<SignerClient>, SignerClient::Failure> SignerClient::open(std::string socket,
                                                                                 std::string key) {
   const std::shared_ptr<SignerClient> client(new SignerClient(std::move(socket), std::move(key)));
-  auto opened = client->connect(now() + kPatienceToOpen);
+  auto opened = client->connect(now() + kOpenLimit);
   if (!opened) {
     return opened.error();
   }
@@ -150,7 +150,7 @@ Result<Octets, std::string> SignerClient::sign(Question how, std::span<const std
   if (silent_signers().has(path_, begin)) {
     return std::string(kNoAnswer);
   }
-  const bus::Instant limit = begin + kPatienceToSign;
+  const bus::Instant limit = begin + kSignLimit;
   const std::lock_guard lock(mutex_);
   auto answer = socket_.is_open() ? ask(how, bytes, limit) : std::nullopt;
   std::optional<std::string> wrong;

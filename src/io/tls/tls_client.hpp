@@ -44,7 +44,7 @@ class TlsClient : public std::enable_shared_from_this<TlsClient> {
       std::shared_ptr<TlsClient> self, gateway::HandshakeSettings limits,
       std::function<void()> greeted);
   /// After a handshake that failed: lets the client have the alert, and ends.
-  static boost::asio::awaitable<void> see_out(std::shared_ptr<TlsClient> self);
+  static boost::asio::awaitable<void> drain_and_end(std::shared_ptr<TlsClient> self);
   /// After the handshake: the end of the pair that is for the machine; closed if there is none.
   sys::UniqueFd make_pair();
   /// Carries on until both have ended.

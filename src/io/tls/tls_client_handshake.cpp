@@ -65,7 +65,7 @@ bool TlsClient::has_hello() const {
   return state != TLS_ST_BEFORE && state != TLS_ST_SR_CLNT_HELLO;
 }
 
-boost::asio::awaitable<void> TlsClient::see_out(std::shared_ptr<TlsClient> self) {
+boost::asio::awaitable<void> TlsClient::drain_and_end(std::shared_ptr<TlsClient> self) {
   error_code ignored;
   self->socket_.shutdown(tcp::socket::shutdown_send, ignored);
   self->timer_.expires_after(kAlertLimit);

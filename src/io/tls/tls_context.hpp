@@ -24,8 +24,8 @@
 
 namespace mbgate::io {
 
-/// Sessions of TLS that their clients may take up again (MB-TCP-Security v36, R-42). They are kept
-/// here and nowhere else: a client gets a number, no ticket. The oldest goes first.
+/// TLS sessions that their clients may resume (MB-TCP-Security v36, R-42). They are kept only here:
+/// a client gets a number, no ticket. The oldest goes first.
 class ResumableSessions {
  public:
   struct Kept {

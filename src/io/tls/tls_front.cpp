@@ -91,7 +91,7 @@ boost::asio::awaitable<void> TlsFront::serve(std::uint64_t key, gateway::Handsha
       co_await TlsClient::shake_hands(client, limits, teller_of_greeting(clients_[key].place));
   look_for_stall();
   if (failure) {
-    co_await TlsClient::see_out(client);  // it still counts among those that shake hands
+    co_await TlsClient::drain_and_end(client);  // it still counts among those that shake hands
     tell([place = clients_[key].place, why = *failure](TlsEvents& events) {
       events.tls_refused(place, "no TLS handshake: " + why);
     });

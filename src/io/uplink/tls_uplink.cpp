@@ -46,9 +46,9 @@ Wrong use_key(SSL_CTX& context, const bus::TlsPeer& peer) {
   return std::nullopt;
 }
 
-/// What is needed to reach a server over TLS as its client: our certificate, whose key the signer
-/// has, and whom we trust. All of it is read anew for each connection, so that a renewed file needs
-/// nothing but the next one. Reading files and asking the signer may block.
+/// The TLS settings with which a line connects to a server: our certificate, whose key the signer
+/// holds, and the authorities that we trust. The files are read for each connection, so that a
+/// renewed one is used without a reload. Reading files and asking the signer may block.
 Result<sys::SslHandle, std::string> make_peer(const bus::TlsPeer& peer) {
   MBGATE_ASSERT(kNoTidying == 1, "OpenSSL does not tidy up at the end");
   const sys::ContextHandle context = sys::client_context();

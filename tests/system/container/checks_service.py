@@ -7,9 +7,9 @@ import time
 import modbus
 import plant as plant_of
 from container import eventually
-from plant import AXIS, CONFIGURATION, LINE, PORT, REGISTER, SERVICE_PORT, UNITS
+from plant import AXIS, CONFIGURATION, EVERY_KEY, LINE, PORT, REGISTER, SERVICE_PORT, UNITS
 
-# What somebody changes in the shipped file, and where: behind which line, which key, to what.
+# What somebody changes in the file with every key, and where: behind which line, which key, to what.
 EDITS = [
     ('name = "plant"', "address", '"0.0.0.0"'),
     ('name = "plant"', "idle_timeout", '"10m"'),
@@ -25,7 +25,7 @@ EDITS = [
 
 
 def edited(text):
-    """The shipped configuration with those lines changed."""
+    """The configuration with those lines changed."""
     for behind, key, value in EDITS:
         begin = text.index(f"\n{behind}")
         line = re.compile(rf"^(# )?{key} += .*$", re.MULTILINE).search(text, begin)
@@ -45,7 +45,9 @@ def install(plant, package):
     done = container.run("systemd-analyze", "--man=no", "verify", *UNITS)
     report.check("systemd-analyze verify has nothing to say of the units", done and not done.output, done)
     plant.start_drives()
-    shipped = container.read(CONFIGURATION)
+    done = container.run("mbgated", "--check")
+    report.check("mbgated --check of the shipped file: no bus yet", done and "no [[bus]] is configured" in done.output, done)
+    shipped = container.read(EVERY_KEY)
     container.write(CONFIGURATION, edited(shipped))
     changed = sum(ours != theirs for ours, theirs in zip(edited(shipped).splitlines(), shipped.splitlines()))
     done = container.run("mbgated", "--check")

@@ -9,6 +9,7 @@ from container import eventually
 
 CONFIGURATION = "/etc/mbgate/mbgate.toml"
 DROP_INS = "/etc/systemd/system/mbgated.service.d"
+EVERY_KEY = "/usr/share/doc/mbgate/mbgate.toml"
 EXAMPLES = "/usr/share/doc/mbgate/examples"
 LINE = "/run/drives/line-a"
 ABSENT = "/run/drives/absent"

@@ -106,7 +106,7 @@ class Bus : public testing::Test {
     now_ = end;
   }
   [[nodiscard]] std::optional<Instant> next_deadline() const {
-    const auto wake = bus_ ? bus_->next_wake() : std::nullopt;
+    const auto wake = bus_ ? bus_->timers().first() : std::nullopt;
     return wake ? std::optional(wake->at) : std::nullopt;
   }
   void drain() {
@@ -130,7 +130,7 @@ class Bus : public testing::Test {
       } else if (const auto* news = std::get_if<bus::LineNotice>(&*action)) {
         faults_.push_back(news->fault);
       } else if (const auto* replace = std::get_if<bus::ReplaceLine>(&*action)) {
-        replaced_.push_back(replace->is_news);
+        replaced_.push_back(replace->is_reportable);
       } else if (const auto* notice = std::get_if<bus::DeviceNotice>(&*action)) {
         notices_.push_back(notice->kind);
         last_notice_ = *notice;

@@ -30,6 +30,33 @@ TEST(CompleteFile, LoadsWithoutAWord) {
   EXPECT_EQ(loaded.settings->listeners.size(), 2U);
 }
 
+/// "# key = ..." and "# [[table]]", unlike the sentences around them.
+bool is_commented_setting(const std::string& line) {
+  if (!line.starts_with("# ")) {
+    return false;
+  }
+  const auto key_end = line.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_", 2);
+  return line.starts_with("# [[") ||
+         (key_end != std::string::npos && key_end > 2 && line.substr(key_end).starts_with(" = "));
+}
+
+/// What the package puts into /etc/mbgate.
+TEST(InstalledFile, ConfiguresNothingAndHasAnExampleThatLoads) {
+  const auto shipped = load_settings(kFolder + "etc/mbgate.toml");
+  ASSERT_TRUE(shipped.settings);
+  EXPECT_TRUE(shipped.settings->buses.empty());
+  std::istringstream lines(text_of(kFolder + "etc/mbgate.toml"));
+  std::string text;
+  for (std::string line; std::getline(lines, line);) {
+    text += is_commented_setting(line) ? line.substr(2) + "\n" : line + "\n";
+  }
+  const auto loaded = load_settings_text("mbgate.toml", text);
+  EXPECT_EQ(render(loaded.diagnostics), "");
+  ASSERT_TRUE(loaded.settings);
+  EXPECT_EQ(loaded.settings->listeners.size(), 1U);
+  EXPECT_EQ(loaded.settings->devices.size(), 1U);
+}
+
 /// What a newcomer copies first.
 TEST(Readme, HasACompleteConfiguration) {
   const auto text = text_of(MBGATE_SOURCE_DIR "/README.md");
@@ -57,16 +84,6 @@ TEST(AccessRulesPage, HasRulesThatLoad) {
   EXPECT_EQ(loaded.settings->rules.size(), 5U);
 }
 
-/// "# key = ..." and "# [[table]]", unlike the sentences around them.
-bool is_commented_setting(const std::string& line) {
-  if (!line.starts_with("# ")) {
-    return false;
-  }
-  const auto key_end = line.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_", 2);
-  return line.starts_with("# [[") ||
-         (key_end != std::string::npos && key_end > 2 && line.substr(key_end).starts_with(" = "));
-}
-
 /// The keys that are commented out are true as well: nothing there may rot.
 TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
   std::istringstream lines(text_of(kFolder + "mbgate.toml"));
@@ -80,7 +97,7 @@ TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
             : is_commented_setting(line) ? line.substr(2) + "\n"
                                          : line + "\n";
   }
-  EXPECT_EQ(commented, 95);
+  EXPECT_EQ(commented, 96);
   const auto loaded = load_settings_text(kFolder + "mbgate.toml", text);
   EXPECT_EQ(render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
@@ -104,6 +121,7 @@ TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
   EXPECT_EQ(times.probe_timeout, bus.timing.probe_timeout_or_default());
   const bus::BusSettings& cell = loaded.settings->buses.back();
   EXPECT_EQ(cell.check_unit, bus.check_unit);
+  EXPECT_EQ(cell.check_transaction, bus.check_transaction);
   EXPECT_EQ(cell.replace_after, bus.replace_after);
   EXPECT_EQ(cell.line.connection, bus.line.connection);
   EXPECT_EQ(loaded.settings->guards[0].writer_hold, guard.writer_hold);

@@ -37,7 +37,7 @@ TEST(BusesAlone, WakeForTheirEarliestOrForTheJudgementBeforeIt) {
   buses.touch(BusId{0}).handle_opened(Instant{1s}, bus::LineKind::virtual_line);
   buses.touch(BusId{1}).handle_lost(Instant{1s});
   collect(buses);
-  const auto reopening = buses[BusId{1}].next_wake();
+  const auto reopening = buses[BusId{1}].timers().first();
   ASSERT_TRUE(reopening);
   EXPECT_EQ(buses.next_wake(std::nullopt)->at, reopening->at);
   EXPECT_EQ(buses.next_wake(Instant{1s})->at, Instant{1s});

@@ -55,7 +55,7 @@ class StallingAdapter {
   void take(const gateway::Transmit& action) { held_.push_back(action.frame); }
   void take(const gateway::Shut& /*action*/) {
     held_.clear();  // TCOFLUSH
-    told_ = 0;
+    reported_ = 0;
   }
   void take(const gateway::Open& action) { harness_.handle(gateway::LineOpened{action.bus}); }
   void take(const gateway::Report& action) {
@@ -70,7 +70,7 @@ class StallingAdapter {
     for (const auto& frame : held_) {
       bytes += tells_ ? frame.size() : 0;
     }
-    if (std::exchange(told_, bytes) != bytes) {
+    if (std::exchange(reported_, bytes) != bytes) {
       harness_.handle(gateway::LineUnsent{BusId{0}, bytes});
     }
   }
@@ -83,7 +83,7 @@ class StallingAdapter {
   bool tells_;
   GatewayHarness harness_{one_bus(), Instant{}};
   std::vector<bus::FrameBytes> held_;
-  std::size_t told_ = 0;
+  std::size_t reported_ = 0;
 };
 
 void write_all(StallingAdapter& adapter) {

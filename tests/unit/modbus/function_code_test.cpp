@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "modbus/function_code.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 
-#include "modbus/exception_code.hpp"
+#include "modbus/codes.hpp"
 #include "unit/modbus/bytes_of.hpp"
 
 namespace mbgate::modbus {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "modbus/lrc.hpp"
-
 #include <gtest/gtest.h>
 
+#include "modbus/checksum.hpp"
 #include "unit/modbus/bytes_of.hpp"
 
 namespace mbgate::modbus {

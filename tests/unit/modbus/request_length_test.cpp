@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "modbus/request_length.hpp"
-
 #include <gtest/gtest.h>
 
+#include "modbus/request.hpp"
 #include "support/hex.hpp"
 
 namespace mbgate::test {

@@ -181,6 +181,23 @@ TEST(RouteTable, TransparentListenersHaveRoutesOfTheirOwnOnly) {
   EXPECT_EQ(table.find(ListenerId{0}, 247)->route.buses[0], BusId{1});
 }
 
+TEST(RouteTable, TransparentListenersPassAReservedAddressIfADeviceHasIt) {
+  std::vector<drive::Device> devices(3);
+  for (std::size_t at = 0; at < devices.size(); ++at) {
+    devices[at].bus = BusId{1};
+    devices[at].address = static_cast<std::uint8_t>(253 + at);
+  }
+  devices[0].bus = BusId{0};
+  const std::vector<routing::ListenerKind> listeners{{BusId{1}, false, {}}};
+  const routing::RouteTable table(listeners, {}, devices);
+  EXPECT_EQ(table.find(ListenerId{0}, 253), nullptr);  // of another bus
+  const routing::ResolvedRoute* found = table.find(ListenerId{0}, 254);
+  ASSERT_NE(found, nullptr);
+  const auto plan = routing::Plan::make(*found, 254, {}, pdu("03 0000 0001"));
+  EXPECT_EQ(plan->transactions()[0].address, 254);
+  EXPECT_EQ(table.find(ListenerId{0}, 255), nullptr);  // the gateway
+}
+
 /// Does a route that lets these functions through count as one that may write?
 bool may_write(std::initializer_list<std::size_t> functions) {
   Route route;

@@ -86,7 +86,7 @@ TEST_F(ControlDoorsTest, SeeOutThoseOfOneAddress) {
   auto [other_client, other_stream] = enter(kOtherDoor);
   doors_.close(kDoor);
   EXPECT_TRUE(stream->socket().is_open());
-  doors_.see_out(kDoor);
+  doors_.close_clients(kDoor);
   EXPECT_FALSE(stream->socket().is_open());
   EXPECT_TRUE(other_stream->socket().is_open());
   EXPECT_EQ(told(client), "");

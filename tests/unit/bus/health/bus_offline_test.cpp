@@ -38,9 +38,9 @@ TEST_F(BusOffline, RequestsAreRefusedAtOnceButOneNowAndThenIsTheProbe) {
   submit(job_of(1, kRead));
   EXPECT_THAT(endings_, ElementsAre(Ending::offline, Ending::offline));
   ASSERT_THAT(frames_, SizeIs(1));
-  advance(kEmission + 50ms);
+  advance(kEmission + 100ms);
   EXPECT_THAT(endings_, ElementsAre(Ending::offline, Ending::offline, Ending::no_answer));
-  EXPECT_EQ(ended_at_.back() - frame_times_[0], kEmission + 50ms);
+  EXPECT_EQ(ended_at_.back() - frame_times_[0], kEmission + 100ms);
   EXPECT_EQ(bus_->counters().probes, 1U);
 }
 

@@ -12,9 +12,9 @@ class DeniedEchoTest : public testing::Test {
  protected:
   /// A transmission of which the own request is heard. True: that is to be told.
   bool hear(Duration time) {
-    const bool is_news = echo_.note_heard(Instant{} + time);
+    const bool is_reportable = echo_.note_heard(Instant{} + time);
     echo_.note_ended(true);
-    return is_news;
+    return is_reportable;
   }
 
   DeniedEcho echo_;

@@ -40,7 +40,8 @@ class Health : public testing::Test {
                 bus::Duration due, bus::Duration took) {
     const Instant now = at(due - 100ms + took);
     hold_.note_answered({asked, at(due - 100ms), at(due)}, response, took, now, timing_);
-    return health_.note_answered(at(due - 100ms), now);
+    health_.note_answered(at(due - 100ms));
+    return health_.note_heard(now);
   }
   auto late(const std::vector<std::uint8_t>& response, bus::Duration came) {
     return hold_.note_late(response, at(came), timing_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "modbus/crc16.hpp"
+#include "modbus/checksum.hpp"
 #include "rtu_framer_rig.hpp"
 
 namespace mbgate::test::rtu_framer_test {

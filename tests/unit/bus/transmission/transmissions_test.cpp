@@ -4,8 +4,8 @@
 
 #include <deque>
 
+#include "bus/queue/last_sent.hpp"
 #include "bus/queue/stop_lane.hpp"
-#include "bus/queue/turn_book.hpp"
 #include "bus/transmission/transmission.hpp"
 #include "support/hex.hpp"
 
@@ -14,9 +14,9 @@ namespace {
 
 using bus::Job;
 using bus::JobClass;
+using bus::LastSent;
 using bus::StopLane;
 using bus::Transmission;
-using bus::TurnBook;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
@@ -106,17 +106,17 @@ TEST_F(Transmissions, WaitInTheStopLaneInTheirOrder) {
   EXPECT_EQ(lane.first(), nullptr);
 }
 
-TEST(TurnBook, CountsWritesSinceTheLastReadAndKnowsALastStop) {
-  TurnBook turns;
-  turns.note(JobClass::read, 1);
-  turns.note(JobClass::write, 1);
-  EXPECT_EQ(turns.last_stop(), std::nullopt);
-  turns.note(JobClass::stop, 2);
-  EXPECT_EQ(turns.last_stop(), 2);
-  EXPECT_EQ(turns.writes_in_row(), 2U);
-  turns.note(JobClass::read, 2);
-  EXPECT_EQ(turns.last_stop(), std::nullopt);
-  EXPECT_EQ(turns.writes_in_row(), 0U);
+TEST(LastSent, CountsWritesSinceTheLastReadAndKnowsALastStop) {
+  LastSent last;
+  last.note(JobClass::read, 1);
+  last.note(JobClass::write, 1);
+  EXPECT_EQ(last.stop(), std::nullopt);
+  last.note(JobClass::stop, 2);
+  EXPECT_EQ(last.stop(), 2);
+  EXPECT_EQ(last.writes_in_row(), 2U);
+  last.note(JobClass::read, 2);
+  EXPECT_EQ(last.stop(), std::nullopt);
+  EXPECT_EQ(last.writes_in_row(), 0U);
 }
 
 }  // namespace

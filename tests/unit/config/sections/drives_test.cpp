@@ -45,13 +45,15 @@ TEST_F(Drives, HaveLinesOfEveryMode) {
   EXPECT_EQ(server.line.device, "");
   EXPECT_EQ(server.outstanding, 16U);
   EXPECT_TRUE(server.check_unit);
+  EXPECT_TRUE(server.check_transaction);
   EXPECT_EQ(server.one_device, false);
   EXPECT_EQ(server.replace_after, 0U);
   EXPECT_EQ(server.line.connection, (bus::ConnectionTimes{1s, 500ms, 2s}));
   EXPECT_EQ(remote.line.connection, (bus::ConnectionTimes{4s, 2s, 60s}));
   const auto& plain = settings.buses.at(3);
   EXPECT_EQ(plain.outstanding, 1U);
-  EXPECT_FALSE(plain.check_unit);
+  EXPECT_TRUE(plain.check_unit);
+  EXPECT_FALSE(plain.check_transaction);
   EXPECT_EQ(plain.one_device, std::nullopt);
   EXPECT_EQ(plain.replace_after, 5U);
   EXPECT_EQ(plain.line.connection, (bus::ConnectionTimes{4s, 2s, 15s}));

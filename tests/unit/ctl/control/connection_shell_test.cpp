@@ -14,26 +14,26 @@ using std::chrono::steady_clock;
 
 const error_code kUnreachable = make_error_code(boost::system::errc::host_unreachable);
 
-TEST(PlacesInTurn, EachButTheLastGetsAShareOfThePatience) {
+TEST(PlacesInTurn, EachButTheLastGetsAShareOfTheTime) {
   const std::function<bool()> never;
-  const Patience patience{steady_clock::now() + hours(3), never};
+  const WaitLimit limit{steady_clock::now() + hours(3), never};
   std::vector<steady_clock::time_point> ends;
-  const auto error = try_in_turn(3, patience, [&](std::size_t, const Patience& share) {
+  const auto error = try_in_turn(3, limit, [&](std::size_t, const WaitLimit& share) {
     ends.push_back(share.end);
     return kUnreachable;
   });
   EXPECT_EQ(error, kUnreachable);
   ASSERT_EQ(ends.size(), 3U);
-  EXPECT_LT(ends[0], patience.end - hours(1));
-  EXPECT_LT(ends[1], patience.end);
-  EXPECT_EQ(ends[2], patience.end);
+  EXPECT_LT(ends[0], limit.end - hours(1));
+  EXPECT_LT(ends[1], limit.end);
+  EXPECT_EQ(ends[2], limit.end);
 }
 
 TEST(PlacesInTurn, EndWithTheFirstThatIsReached) {
   const std::function<bool()> never;
   std::vector<std::size_t> tried;
   const auto error = try_in_turn(3, {steady_clock::now() + hours(1), never},
-                                 [&](std::size_t place, const Patience&) {
+                                 [&](std::size_t place, const WaitLimit&) {
                                    tried.push_back(place);
                                    return place == 1 ? error_code() : kUnreachable;
                                  });
@@ -46,7 +46,7 @@ TEST(PlacesInTurn, EndWithTheWishToGiveUp) {
   const std::function<bool()> give_up = [&] { return is_given_up; };
   std::size_t tries = 0;
   const auto error = try_in_turn(3, {steady_clock::now() + hours(1), give_up},
-                                 [&](std::size_t, const Patience& share) {
+                                 [&](std::size_t, const WaitLimit& share) {
                                    ++tries;
                                    is_given_up = true;
                                    EXPECT_TRUE(share.is_over());

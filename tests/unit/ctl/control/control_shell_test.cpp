@@ -16,7 +16,7 @@
 namespace mbgate::ctl {
 namespace {
 
-constexpr std::chrono::seconds kPatience{60};
+constexpr std::chrono::seconds kAnswerLimit{60};
 
 /// A socket that somebody listens at.
 class ControlShell : public testing::Test {
@@ -64,7 +64,7 @@ class ControlShell : public testing::Test {
 
 TEST_F(ControlShell, GivesTheAnswer) {
   const auto request = serve("HTTP/1.1 200 OK\r\nContent-Length: 15\r\n\r\n{\"status\":\"ok\"}");
-  const auto answer = ask_control(path_, "GET", "/healthz", kPatience);
+  const auto answer = ask_control(path_, "GET", "/healthz", kAnswerLimit);
   ASSERT_TRUE(answer) << answer.error();
   EXPECT_EQ(answer->status, 200U);
   EXPECT_EQ(answer->json.at("status").as_string(), "ok");
@@ -122,7 +122,7 @@ class ControlShellOverTcp : public ControlShell {
 
 TEST_F(ControlShellOverTcp, CallsTheOtherEndByItsAddress) {
   auto request = serve("HTTP/1.1 200 OK\r\nContent-Length: 15\r\n\r\n{\"status\":\"ok\"}");
-  const auto answer = ask_control("tcp://" + server_, "GET", "/healthz", kPatience);
+  const auto answer = ask_control("tcp://" + server_, "GET", "/healthz", kAnswerLimit);
   ASSERT_TRUE(answer) << answer.error();
   EXPECT_EQ(answer->status, 200U);
   EXPECT_NE(request.get().find("\r\nHost: " + server_ + "\r\n"), std::string::npos);
@@ -131,7 +131,7 @@ TEST_F(ControlShellOverTcp, CallsTheOtherEndByItsAddress) {
 TEST_F(ControlShellOverTcp, SaysThatNobodyListens) {
   ::close(listener_);
   listener_ = -1;
-  EXPECT_EQ(ask_control("tcp://" + server_, "GET", "/healthz", kPatience).error(),
+  EXPECT_EQ(ask_control("tcp://" + server_, "GET", "/healthz", kAnswerLimit).error(),
             "nobody listens at tcp://" + server_ +
                 ": is mbgated running, and is this one of its [http] listen?");
 }
@@ -142,7 +142,7 @@ TEST(ControlPlace, OfTcpHasAHostAndAPort) {
         "tcp://gateway:65536", "tcp://::1:8080", "tcp://[::1]", "tcp://[gateway]:8080",
         "tcp://gateway:8080/", "tcp://me@gateway:8080"}) {
     EXPECT_EQ(
-        ask_control(place, "GET", "/healthz", kPatience).error(),
+        ask_control(place, "GET", "/healthz", kAnswerLimit).error(),
         place + ": expected a host and a port, such as tcp://127.0.0.1:8080 or tcp://[::1]:8080");
   }
 }

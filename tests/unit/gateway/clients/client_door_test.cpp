@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The door of the clients alone: who is let in, who makes room, and what is left of who goes.
-#include "gateway/clients/client_door.hpp"
-
 #include <gmock/gmock.h>
 
+#include "gateway/clients/client_admission.hpp"
 #include "unit/gateway/parts_plant.hpp"
 
 namespace mbgate::test {
@@ -23,7 +22,7 @@ Settings narrow_plant() {
   return settings;
 }
 
-class ClientDoorAlone : public testing::Test {
+class ClientAdmissionAlone : public testing::Test {
  protected:
   void come(std::uint64_t client, std::string_view address, Phase phase = Phase::running) {
     const Instant now{std::chrono::seconds(client)};
@@ -32,12 +31,12 @@ class ClientDoorAlone : public testing::Test {
   /// Whose connections are to be closed, and what is told beside that.
   std::vector<std::uint64_t> closed() {
     std::vector<std::uint64_t> clients;
-    told_.clear();
+    reported_.clear();
     while (const auto action = actions_.poll()) {
       if (const auto* close = std::get_if<gateway::Close>(&*action)) {
         clients.push_back(static_cast<std::uint64_t>(close->client));
       } else if (const auto* report = std::get_if<gateway::Report>(&*action)) {
-        told_.push_back(gateway::to_text(report->event, settings_.settings()));
+        reported_.push_back(gateway::to_text(report->event, settings_.settings()));
       }
     }
     return clients;
@@ -54,37 +53,38 @@ class ClientDoorAlone : public testing::Test {
   gateway::WriteRules rules_{settings_.in_force()};
   gateway::FailsafeWrites failsafe_{settings_, exchanges_, rules_, actions_};
   gateway::Sessions sessions_{settings_.settings()};
-  gateway::ClientDoor door_{settings_, exchanges_, rules_, failsafe_, sessions_, actions_};
-  std::vector<std::string> told_;
+  gateway::ClientAdmission door_{settings_, exchanges_, rules_, failsafe_, sessions_, actions_};
+  std::vector<std::string> reported_;
 };
 
-TEST_F(ClientDoorAlone, LetsInWhoIsAllowed) {
+TEST_F(ClientAdmissionAlone, LetsInWhoIsAllowed) {
   come(1, "192.0.2.1");
   come(2, "10.0.0.2");
   EXPECT_THAT(closed(), ElementsAre(2));
-  EXPECT_THAT(told_, ElementsAre("listener plant: client 10.0.0.2 refused: not in the allow list"));
+  EXPECT_THAT(reported_,
+              ElementsAre("listener plant: client 10.0.0.2 refused: not in the allow list"));
   EXPECT_NE(sessions_.find(ClientId{1}), nullptr);
   EXPECT_EQ(sessions_.size(), 1U);
   EXPECT_EQ(refused(RefusalReason::not_allowed), 1U);
 }
 
-TEST_F(ClientDoorAlone, LetsNobodyInWhenTheGatewayStops) {
+TEST_F(ClientAdmissionAlone, LetsNobodyInWhenTheGatewayStops) {
   come(1, "192.0.2.1", Phase::only_stops);
   EXPECT_THAT(closed(), ElementsAre(1));
   EXPECT_EQ(refused(RefusalReason::stopping), 1U);
 }
 
-TEST_F(ClientDoorAlone, OneThatIsGoneIsNotClosedAndItsPlaceIsFree) {
+TEST_F(ClientAdmissionAlone, OneThatIsGoneIsNotClosedAndItsPlaceIsFree) {
   come(1, "192.0.2.1");
   come(2, "192.0.2.2");
   door_.forget(*sessions_.find(ClientId{1}), Instant{2s});
   come(3, "192.0.2.3");
   EXPECT_THAT(closed(), IsEmpty());
-  EXPECT_THAT(told_, IsEmpty());
+  EXPECT_THAT(reported_, IsEmpty());
   EXPECT_EQ(sessions_.find(ClientId{1}), nullptr);
 }
 
-TEST_F(ClientDoorAlone, WhoAsksTooOftenMayNotAndThatIsTold) {
+TEST_F(ClientAdmissionAlone, WhoAsksTooOftenMayNotAndThatIsTold) {
   come(1, "192.0.2.1");
   ClientSession& session = *sessions_.find(ClientId{1});
   EXPECT_TRUE(door_.may_ask(session, Instant{1s}));

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "modbus/crc16.hpp"
+
+#include "modbus/checksum.hpp"
 
 #include <array>
+#include <numeric>
 
 namespace mbgate::modbus {
+
 namespace {
 
 constexpr std::array<std::uint16_t, 256> make_table() {
@@ -28,6 +31,11 @@ std::uint16_t crc16(Bytes bytes) {
     crc = (crc >> 8U) ^ kTable[(crc ^ byte) & 0xFFU];
   }
   return static_cast<std::uint16_t>(crc);
+}
+
+std::uint8_t lrc(Bytes bytes) {
+  const unsigned sum = std::accumulate(bytes.begin(), bytes.end(), 0U);
+  return static_cast<std::uint8_t>(0U - sum);
 }
 
 }  // namespace mbgate::modbus

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "modbus/function_code.hpp"
+
+#include "modbus/codes.hpp"
+
+#include <cstdio>
 
 namespace mbgate::modbus {
 
@@ -43,6 +46,31 @@ std::string_view function_name(std::uint8_t function) {
     case 0x2B: return "encapsulated interface";
     default: return {};
   }
+}
+
+std::string_view exception_name(std::uint8_t code) {
+  switch (code) {
+    case 0x01: return "illegal function";
+    case 0x02: return "illegal data address";
+    case 0x03: return "illegal data value";
+    case 0x04: return "server device failure";
+    case 0x05: return "acknowledge";
+    case 0x06: return "server device busy";
+    case 0x08: return "memory parity error";
+    case 0x0A: return "gateway path unavailable";
+    case 0x0B: return "gateway target device failed to respond";
+    default: return {};
+  }
+}
+
+std::string exception_text(std::uint8_t code) {
+  char number[24];
+  std::snprintf(number, sizeof number, "exception 0x%02X", code);
+  std::string text = number;
+  if (const auto name = exception_name(code); !name.empty()) {
+    text.append(" (").append(name).append(")");
+  }
+  return text;
 }
 
 }  // namespace mbgate::modbus

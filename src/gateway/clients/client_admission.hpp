@@ -6,22 +6,22 @@
 #include <optional>
 
 #include "gateway/access/report_limit.hpp"
+#include "gateway/action.hpp"
 #include "gateway/clients/address_limits.hpp"
 #include "gateway/clients/intake.hpp"
 #include "gateway/clients/sessions.hpp"
 #include "gateway/exchanges/exchanges.hpp"
 #include "gateway/limits.hpp"
-#include "gateway/reports.hpp"
 #include "gateway/settings/settings_snapshot.hpp"
 #include "gateway/writes/failsafe_writes.hpp"
 #include "gateway/writes/write_rules.hpp"
 
 namespace mbgate::gateway {
 
-class ClientDoor {
+class ClientAdmission {
  public:
-  ClientDoor(const SettingsHistory& settings, Exchanges& exchanges, WriteRules& rules,
-             FailsafeWrites& failsafe, Sessions& sessions, ActionQueue& actions)
+  ClientAdmission(const SettingsHistory& settings, Exchanges& exchanges, WriteRules& rules,
+                  FailsafeWrites& failsafe, Sessions& sessions, ActionQueue& actions)
       : settings_(settings),
         exchanges_(exchanges),
         rules_(rules),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "drive/word_exchange.hpp"
+#include "drive/word_order.hpp"
 
 #include <algorithm>
 

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/queue/scheduler.hpp"
+
+#include <algorithm>
+#include <bitset>
+
+namespace mbgate::bus {
+
+Next Scheduler::next(Instant now) const {
+  if (Transmission* stop = choose_stop(now)) {
+    return next_stop(*stop, now);
+  }
+  const Next part = next_part(now);
+  if (part.step == Next::Step::transmit || !has_place(now)) {
+    return part;
+  }
+  const auto choice = next_turn(Passing::nothing, now);
+  if (!choice) {
+    return part;
+  }
+  Next next = when_due(*choice, now);
+  next.at = earlier(next.at, part.at);
+  return next;
+}
+
+Next Scheduler::when_due(const Choice& choice, Instant now) const {
+  if (choice.at > now) {
+    return {Next::Step::wait, wake_for(parts_, *choice.job, choice.at)};
+  }
+  return {Next::Step::transmit, {}, choice.job};
+}
+
+// Of the jobs of several transactions, nothing comes between these. What waits for its next try has
+// its turn among the others, unless its device is held back.
+Next Scheduler::next_part(Instant now) const {
+  Next next;
+  for (Transmission* running : parts_.transmissions.running()) {
+    Job& job = *running->leader;
+    const bool has_turn = running->is_between_tries() && !is_held_back(parts_, job, now);
+    if (!parts_.transmissions.may_go_on(*running) || has_turn) {
+      continue;
+    }
+    const Instant ready = ready_at(parts_, job);
+    if (now < ready) {
+      next.at = earlier(next.at, wake_for(parts_, job, ready));
+    } else if (parts_.transmissions.has_room()) {
+      return {Next::Step::transmit, {}, &job};
+    }
+  }
+  return next;
+}
+
+// May another job begin? Not between the transactions of a job, unless its device must be left
+// alone meanwhile. A job with a single transaction that is to be repeated blocks no other.
+bool Scheduler::has_place(Instant now) const {
+  const auto occupied =
+      std::ranges::count_if(parts_.transmissions.running(), [&](const Transmission* running) {
+        return running->in_flight ||
+               (!running->is_between_tries() && !is_held_back(parts_, *running->leader, now));
+      });
+  return static_cast<std::size_t>(occupied) < parts_.transmissions.room();
+}
+
+std::optional<Scheduler::Choice> Scheduler::next_turn(Passing passing, Instant now) const {
+  const auto choice = next_waiting(passing, now);
+  Job* job = next_repeated(passing, now);
+  if (job == nullptr) {
+    return choice;
+  }
+  const Choice repeated{job, std::max(now, ready_at(parts_, *job))};
+  return choice && goes_before_repeated(*choice, repeated) ? *choice : repeated;
+}
+
+// What is repeated is the first of its class, once lost time was paid back.
+bool Scheduler::goes_before_repeated(const Choice& choice, const Choice& repeated) const {
+  const bool is_of_first_class =
+      is_write(choice.job->job_class) && repeated.job->is_read() && !reads_go_first();
+  const bool is_paid =
+      parts_.payback.is_due(repeated.at) && !parts_.devices[choice.job->address()].is_silent();
+  return choice.at < repeated.at || (choice.at == repeated.at && (is_of_first_class || is_paid));
+}
+
+// The one that waits for its next try for longest.
+Job* Scheduler::next_repeated(Passing passing, Instant now) const {
+  const Transmission* next = nullptr;
+  for (const Transmission* running : parts_.transmissions.running()) {
+    if (running->is_between_tries() && !is_held_back(parts_, *running->leader, now) &&
+        parts_.transmissions.may_go_on(*running) &&
+        (passing == Passing::nothing || may_pass_stops(*running->leader, now)) &&
+        (next == nullptr || running->last_sent < next->last_sent)) {
+      next = running;
+    }
+  }
+  return next == nullptr ? nullptr : next->leader;
+}
+
+// Jobs are looked at in the order of their turns. The first that only waits for the line goes next,
+// also if it needs a longer silence than others (`gap`). One whose device is held back or busy lets
+// those to other devices pass.
+std::optional<Scheduler::Choice> Scheduler::next_waiting(Passing passing, Instant now) const {
+  const Instant soonest = std::max(now, parts_.line.ready_at(Duration{0}));
+  std::optional<Choice> best;
+  std::bitset<kAddresses> claimed;  // by jobs that wait for what is in flight to their device
+  bool decided = false;
+  const auto look = [&](Job& job) {
+    const std::uint8_t address = job.transaction().address;
+    if (passing == Passing::stops && !may_pass_stops(job, now)) {
+      return false;
+    }
+    if (claimed[address] || !may_join(job)) {
+      claimed.set(address);
+      return false;
+    }
+    const Instant ready = std::max(now, ready_at(parts_, job));
+    if (!best || ready < best->at) {
+      best = Choice{&job, ready};
+    }
+    decided = held_until(parts_, job) <= soonest;
+    return decided;
+  };
+  const JobClass first = reads_go_first() ? JobClass::read : JobClass::write;
+  parts_.queue.visit_candidates(first, look);
+  if (!decided) {
+    parts_.queue.visit_candidates(first == JobClass::read ? JobClass::write : JobClass::read, look);
+  }
+  return best;
+}
+
+// Reads share a device; a write, and a job of several transactions, has it for itself; a broadcast
+// has all of them. Nor does anything for the same device overtake a read that is being repeated;
+// of broadcasts, those of the same client address do not.
+bool Scheduler::may_join(const Job& job) const {
+  const auto is_of_same = [&](const Job* other) { return other->source == job.source; };
+  return std::ranges::none_of(parts_.transmissions.running(), [&](const Transmission* running) {
+    const Job& other = *running->leader;
+    if (job.is_broadcast() && other.is_single_read() && running->is_between_tries()) {
+      return is_of_same(&other) || std::ranges::any_of(running->followers, is_of_same);
+    }
+    const bool meets =
+        other.address() == job.address() || job.is_broadcast() || other.is_broadcast();
+    const bool shares =
+        other.is_single_read() && job.is_single_read() && running->in_flight && running->tries == 1;
+    return meets && !shares;
+  });
+}
+
+}  // namespace mbgate::bus
