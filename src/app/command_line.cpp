@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "base/text.hpp"
 #include "config/keys/keys.hpp"
 
 namespace mbgate::app {
@@ -142,14 +143,13 @@ namespace {
 /// A basic string of TOML 1.0.0. A path can hold any byte but 0; what is no UTF-8 is refused when
 /// the text is loaded.
 std::string toml_string(std::string_view text) {
-  constexpr std::string_view kDigits = "0123456789ABCDEF";
   std::string quoted = "\"";
   for (const char byte : text) {
     const auto code = static_cast<unsigned char>(byte);
     if (byte == '"' || byte == '\\') {
       (quoted += '\\') += byte;
     } else if (code < 0x20U || code == 0x7FU) {
-      ((quoted += "\\u00") += kDigits[code >> 4U]) += kDigits[code & 0xFU];
+      quoted += "\\u" + hex_text(code, 4);
     } else {
       quoted += byte;
     }

@@ -19,9 +19,8 @@
 
 namespace mbgate::app {
 
-// Limits the log lines of one kind: a peer or an adapter that fails again and again must not fill
-// the journal. Pure: the time is handed in.
-
+/// Limits the log lines of one kind: a peer or an adapter that fails again and again must not fill
+/// the journal. Pure: the time is handed in.
 class RateLimit {
  public:
   static constexpr std::size_t kLinesPerWindow = 10;

@@ -7,9 +7,11 @@
 
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <initializer_list>
 #include <iostream>
 #include <optional>
 #include <string>
@@ -20,7 +22,6 @@
 
 #include "app/command_line.hpp"
 #include "app/configuration/digest.hpp"
-#include "app/held_signals.hpp"
 #include "app/log.hpp"
 #include "app/recording.hpp"
 #include "app/service.hpp"
@@ -227,5 +228,25 @@ int run_mbgated(int argc, const char* const* argv, const std::string& version) {
   }
   return serve(std::move(configuration), options, version, std::move(recording));
 }
+
+namespace {
+
+void change_mask(int how) {
+  sigset_t held;
+  sigemptyset(&held);
+  sigaddset(&held, SIGHUP);
+  ::pthread_sigmask(how, &held, nullptr);
+}
+
+}  // namespace
+
+void hold_signals() {
+  for (const int ignored : {SIGPIPE, SIGUSR1, SIGUSR2, SIGXFSZ}) {
+    std::signal(ignored, SIG_IGN);
+  }
+  change_mask(SIG_BLOCK);
+}
+
+void release_held_signals() { change_mask(SIG_UNBLOCK); }
 
 }  // namespace mbgate::app

@@ -12,8 +12,8 @@
 #include <variant>
 
 #include "app/configuration/digest.hpp"
-#include "app/held_signals.hpp"
 #include "app/journal/event_topic.hpp"
+#include "app/mbgated.hpp"
 #include "app/systemd.hpp"
 #include "app/text.hpp"
 #include "io/clients/resources.hpp"

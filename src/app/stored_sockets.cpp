@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/text.hpp"
 #include "io/clients/listening_socket.hpp"
 
 namespace mbgate::app {
@@ -37,14 +38,13 @@ bool is_wanted(const std::string& name, int socket,
 
 // What such a name may not have, and '%', is written as two hexadecimal digits (sd_notify(3)).
 std::string stored_name(const std::string& listener, const tcp::endpoint& at) {
-  constexpr std::string_view kDigits = "0123456789ABCDEF";
   std::string name(kPrefix);
   for (const char c : listener + '/' + io::to_text(at)) {
     const auto code = static_cast<unsigned char>(c);
     if (c > ' ' && c <= '~' && c != ':' && c != '%') {
       name += c;
     } else {
-      name += {'%', kDigits[code / 16U], kDigits[code % 16U]};
+      name += '%' + hex_text(code, 2);
     }
   }
   return name;

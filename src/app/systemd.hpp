@@ -43,10 +43,9 @@ bool store_socket(const std::string& name, int socket);
 /// systemd closes its copies of the sockets of this name.
 void remove_stored_socket(const std::string& name);
 
-// Tells systemd again and again that the gateway is well, from the thread that runs it. A gateway
-// that hangs says nothing, and neither does one that misses its deadlines: systemd then ends it and
-// starts another one.
-
+/// Tells systemd again and again that the gateway is well, from the thread that runs it. A gateway
+/// that hangs says nothing, and neither does one that misses its deadlines: systemd then ends it
+/// and starts another one.
 class Watchdog {
  public:
   /// `is_well` is asked before each `feed`.

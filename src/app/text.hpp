@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The status line that `systemctl status` shows.
+// The status line that `systemctl status` shows, and words, times and characters as JSON has them.
 #pragma once
 
 #include <chrono>

@@ -2,9 +2,9 @@
 #include "ctl/visible_text.hpp"
 
 #include <array>
-#include <cstdio>
 #include <utility>
 
+#include "base/text.hpp"
 #include "base/utf8.hpp"
 
 namespace mbgate::ctl {
@@ -31,9 +31,7 @@ std::string visible_text(std::string_view text, std::string_view kept) {
     if (size != 0 && (is_kept || !controls(code))) {
       visible += text.substr(0, size);
     } else {
-      std::array<char, sizeof "\\u001B"> escaped{};
-      std::snprintf(escaped.data(), escaped.size(), "\\u%04X", static_cast<unsigned>(code));
-      visible += escaped.data();
+      visible += "\\u" + hex_text(code, 4);
     }
     text.remove_prefix(size == 0 ? 1 : size);
   }

@@ -23,9 +23,8 @@ inline bus::Instant now() {
 /// now(), or what a test has instead.
 using Clock = bus::Instant (*)();
 
-// A timer that counts the time while the computer is suspended, as the clock does, and expires at
-// once when it wakes up. Asio's timers stand still meanwhile.
-
+/// A timer that counts the time while the computer is suspended, as the clock does, and expires at
+/// once when it wakes up. Asio's timers stand still meanwhile.
 class BootTimer {
  public:
   BootTimer(boost::asio::io_context& context, std::function<void()> on_ring);

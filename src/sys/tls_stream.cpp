@@ -2,6 +2,7 @@
 #include "sys/tls_stream.hpp"
 
 #include <openssl/bio.h>
+#include <openssl/x509v3.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -133,6 +134,32 @@ TlsStream::Step TlsStream::step_to_wait(Step wish) {
     case RecordGate::Turn::too_many: break;
   }
   return Step::flooded;
+}
+
+ContextHandle client_context() {
+  ContextHandle context(SSL_CTX_new(TLS_client_method()));
+  if (!context || SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION) != 1) {
+    return nullptr;
+  }
+  SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, nullptr);
+  SSL_CTX_set_mode(context.get(),
+                   SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
+  return context;
+}
+
+// Of no name OpenSSL checks nothing, and an address ends for it at a zero.
+bool expect_name(SSL& ssl, const std::string& name) {
+  if (name.empty() || name.find('\0') != std::string::npos) {
+    return false;
+  }
+  X509_VERIFY_PARAM* const wanted = SSL_get0_param(&ssl);
+  if (X509_VERIFY_PARAM_set1_ip_asc(wanted, name.c_str()) == 1) {
+    return true;
+  }
+  ERR_clear_error();  // it is no address
+  std::string told = name;
+  return X509_VERIFY_PARAM_set1_host(wanted, name.c_str(), name.size()) == 1 &&
+         SSL_ctrl(&ssl, SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name, told.data()) == 1;
 }
 
 }  // namespace mbgate::sys

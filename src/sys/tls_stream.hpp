@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "sys/openssl.hpp"
 
@@ -90,6 +91,12 @@ class TlsStream {
   int system_error_ = 0;
   bool is_cut_ = false;
 };
+
+/// Of a client: TLS 1.2 or 1.3, where the server must have a certificate that is trusted. Nothing:
+/// OpenSSL says why.
+ContextHandle client_context();
+/// The server's certificate must be for this name, or this address. False: none can be.
+bool expect_name(SSL& ssl, const std::string& name);
 
 /// Does nothing follow it?
 inline bool is_over(TlsStream::Step step) { return step >= TlsStream::Step::closed; }

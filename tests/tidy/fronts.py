@@ -35,7 +35,7 @@ FRONTS = {
     "ctl/request": {"carry_out", "command", "modbus_client", "repetition", "report", "value_text"},
     "ctl/scan": {"scan"},
     "ctl/serial": {"heard", "serial_client", "serial_port"},
-    "ctl/tls": {"certificate_role", "handshake"},
+    "ctl/tls": {"handshake"},
     "ctl/trace": set(),
     "gateway/access": {"access_book", "report_limit", "rule_verdict", "who"},
     "gateway/clients": {"clients", "sessions"},
@@ -48,7 +48,7 @@ FRONTS = {
     "io/clients": {"client_connections", "hangup_watch", "listening_socket", "resources", "tcp_server"},
     "io/lines": {"line"},
     "io/tls": {
-        "fingerprint", "load_tls", "pem_files", "remote_key", "signer_client", "tls_door",
+        "fingerprint", "load_tls", "pem_files", "signer_client", "tls_door",
     },
     "io/uplink": {"tls_uplink"},
     "sim/drives": {"device"},

@@ -156,7 +156,7 @@ void Control::tell(Level level, const std::string& text) {
     return;
   }
   const std::uint64_t id = ++reported_;
-  if (waiting_ >= EventRing::kSize) {
+  if (waiting_ >= kKeptEvents) {
     return;  // readers see by the numbers that it is missing
   }
   ++waiting_;

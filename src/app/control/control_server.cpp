@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "app/control/control_answers.hpp"
-#include "app/control/question.hpp"
 #include "app/control/request_reader.hpp"
 #include "app/control/tcp_rules.hpp"
 #include "app/metrics/metrics.hpp"

@@ -50,8 +50,8 @@ std::string EventStreams::next_text(std::uint64_t& last) const {
   if (!next) {
     return {};
   }
-  last = next->event.id;
-  return (next->lost > 0 ? lost_text(next->lost) : "") + event_text(next->event);
+  last = next->item.id;
+  return (next->lost > 0 ? lost_text(next->lost) : "") + event_text(next->item);
 }
 
 std::string event_text(const JournalEvent& event) {
@@ -68,25 +68,6 @@ std::string server_event(std::uint64_t id, std::string_view name, std::string_vi
 
 std::string lost_text(std::uint64_t lost) {
   return "event: lost\ndata: {\"lost\":" + std::to_string(lost) + "}\n\n";
-}
-
-void EventRing::add(JournalEvent event) {
-  if (events_.size() == kSize) {
-    events_.pop_front();
-  }
-  events_.push_back(std::move(event));
-}
-
-std::uint64_t EventRing::newest() const { return events_.empty() ? 0 : events_.back().id; }
-
-std::uint64_t EventRing::oldest() const { return events_.empty() ? 0 : events_.front().id; }
-
-std::optional<EventRing::Next> EventRing::after(std::uint64_t id) const {
-  const auto found = std::ranges::upper_bound(events_, id, {}, &JournalEvent::id);
-  if (found == events_.end()) {
-    return std::nullopt;
-  }
-  return Next{*found, found->id - id - 1};
 }
 
 }  // namespace mbgate::app

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
@@ -19,40 +18,17 @@
 
 namespace mbgate::app {
 
-// The last lines of the journal, for its subscribers, which share one ring. Each continues after
-// the event that it received last, and learns how many it has missed.
-
 /// A line of the journal.
 struct JournalEvent {
   std::uint64_t id = 0;  ///< counts the lines of this process from 1
   std::chrono::system_clock::time_point at;
   Level level = Level::info;
   std::string text;
+
+  [[nodiscard]] static constexpr std::size_t size() { return 1; }
 };
-
-class EventRing {
- public:
-  /// The journal gets at most ten lines a minute of one kind: these are some minutes of a bad day.
-  static constexpr std::size_t kSize = 256;
-
-  struct Next {
-    JournalEvent event;
-    std::uint64_t lost = 0;  ///< how many between are not there
-  };
-
-  /// Takes the place of the oldest one when there are kSize. Ids rise; one that is left out counts
-  /// as lost.
-  void add(JournalEvent event);
-  /// The id of the last one that was added; 0: there was none.
-  [[nodiscard]] std::uint64_t newest() const;
-  /// The id of the oldest one that is kept; 0: there was none.
-  [[nodiscard]] std::uint64_t oldest() const;
-  /// The first one after `id` that is there. Nothing: it is still to come.
-  [[nodiscard]] std::optional<Next> after(std::uint64_t id) const;
-
- private:
-  std::deque<JournalEvent> events_;
-};
+/// The journal gets at most ten lines a minute of one kind: these are some minutes of a bad day.
+inline constexpr std::size_t kKeptEvents = 256;
 
 class EventStreams {
  public:
@@ -76,7 +52,7 @@ class EventStreams {
 
   StreamReaders readers_;
   std::uint64_t numbered_from_;
-  EventRing ring_;
+  Ring<JournalEvent> ring_{kKeptEvents};
 };
 
 // Events as text: server-sent events (text/event-stream, in the HTML standard), with data in JSON

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "app/text.hpp"
+#include "base/text.hpp"
 #include "gateway/status/diagnosis.hpp"
 
 namespace mbgate::app {
@@ -97,11 +98,10 @@ object percentiles_json(const gateway::Percentiles& percentiles) {
 }
 
 object exceptions_json(const bus::ExceptionCounts& exceptions) {
-  constexpr std::string_view kDigits = "0123456789ABCDEF";
   object json;
   for (std::uint8_t code = 1; code <= bus::ExceptionCounts::kLastCode; ++code) {
     if (exceptions.of(code) > 0) {
-      json[std::string{'0', kDigits[code]}] = exceptions.of(code);
+      json[hex_text(code, 2)] = exceptions.of(code);
     }
   }
   if (exceptions.others() > 0) {

@@ -9,6 +9,8 @@
 #include <boost/beast/core/basic_stream.hpp>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -24,6 +26,51 @@ using ControlStream = boost::beast::basic_stream<boost::asio::generic::stream_pr
 
 /// How long a client may take for its request, or for taking what is sent to it.
 inline constexpr std::chrono::seconds kClientLimit{10};
+
+/// The last of what is told to all who read along. Each goes on after the item that it had last,
+/// and hears how many it has missed: a slow reader holds up nobody.
+template <typename Item>
+class Ring {
+ public:
+  struct Next {
+    const Item& item;        ///< until the next add()
+    std::uint64_t lost = 0;  ///< how many between are not there
+  };
+
+  /// The oldest make room when all together are larger than `most`; the newest one stays.
+  explicit Ring(std::size_t most) : most_(most) {}
+
+  /// Ids rise; one that is left out counts as lost.
+  void add(Item item) {
+    newest_ = item.id;
+    size_ += item.size();
+    items_.push_back(std::move(item));
+    while (size_ > most_ && items_.size() > 1) {
+      size_ -= items_.front().size();
+      items_.pop_front();
+    }
+  }
+  /// The id of the last one that was added; 0: there was none.
+  [[nodiscard]] std::uint64_t newest() const { return newest_; }
+  /// The id of the oldest one that is kept; 0: there is none.
+  [[nodiscard]] std::uint64_t oldest() const { return items_.empty() ? 0 : items_.front().id; }
+  /// The first one after `id` that is there. Nothing: it is still to come.
+  [[nodiscard]] std::optional<Next> after(std::uint64_t id) const {
+    const auto found = std::ranges::upper_bound(items_, id, {}, &Item::id);
+    return found == items_.end() ? std::nullopt : std::optional(Next{*found, found->id - id - 1});
+  }
+  /// Nobody reads any more.
+  void clear() {
+    items_.clear();
+    size_ = 0;
+  }
+
+ private:
+  std::size_t most_;
+  std::deque<Item> items_;
+  std::uint64_t newest_ = 0;
+  std::size_t size_ = 0;
+};
 
 class StreamReaders {
  public:

@@ -55,6 +55,18 @@ class TraceFeed {
   bool on_ = false;
 };
 
+/// A record, and as it goes out.
+struct TraceItem {
+  std::uint64_t id = 0;  ///< counts the records of this process from 1
+  gateway::TraceRecord record;
+  std::string text;  ///< a server-sent event
+
+  /// Its bytes are in the text, as two digits and a blank each: the record itself is smaller.
+  [[nodiscard]] std::size_t size() const { return sizeof *this + 2 * text.size(); }
+};
+/// Some seconds of the busiest plant. A record of usual size has 1 KiB.
+inline constexpr std::size_t kKeptTraceBytes = 8U << 20U;
+
 class TraceStreams {
  public:
   /// Called when the first one comes and when the last one has gone, perhaps after this object.
@@ -96,7 +108,7 @@ class TraceStreams {
 
   StreamReaders readers_;
   std::shared_ptr<Subscribers> subscribers_ = std::make_shared<Subscribers>();
-  TraceRing ring_;
+  Ring<TraceItem> ring_{kKeptTraceBytes};
   std::uint64_t numbered_ = 0;  ///< records, also those that were lost
 };
 

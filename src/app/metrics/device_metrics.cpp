@@ -54,14 +54,13 @@ Labels with(Labels labels, const char* name, std::string value) {
 void add_counters(MetricBook& book, const Labels& labels, const DeviceStatus& device,
                   bool is_serial) {
   for (const DeviceCounter& counter : kDeviceCounters) {
-    book.counter(counter.kind, labels, static_cast<double>(device.counters.*counter.member));
+    book.counter(counter.kind, labels, device.counters.*counter.member);
   }
   for (std::size_t code = 0; code < kCodes.size(); ++code) {
     const bus::ExceptionCounts& counts = device.counters.exceptions_by_code;
     book.counter({"mbgate_device_exceptions_total", "Exceptions of the device, by code."},
                  with(labels, "code", kCodes.at(code)),
-                 static_cast<double>(code == 0 ? counts.others()
-                                               : counts.of(static_cast<std::uint8_t>(code))));
+                 code == 0 ? counts.others() : counts.of(static_cast<std::uint8_t>(code)));
   }
   book.counter({"mbgate_device_wire_seconds_total",
                 "Time for which its requests had the line: its rate is its share of the bus."},
@@ -156,21 +155,19 @@ void add_bus(MetricBook& book, const gateway::BusStatus& bus) {
                 "it: its rate is the load of the line."},
                of_bus, seconds_of(bus.busy));
   book.gauge({"mbgate_bus_waiting_requests", "Requests that wait for the bus."}, of_bus,
-             static_cast<double>(bus.waiting));
+             bus.waiting);
   book.gauge({"mbgate_bus_longest_waiting_seconds",
               "How long the request has waited that waits longest; stops apart."},
              of_bus, seconds_of(bus.longest_waiting));
   for (const bus::CounterKind& counter : bus::kBusCounters) {
     if (counter.metric != nullptr) {
-      book.counter({counter.metric, counter.help}, of_bus,
-                   static_cast<double>(bus.counters.*counter.member));
+      book.counter({counter.metric, counter.help}, of_bus, bus.counters.*counter.member);
     }
   }
   for (const BusRefusal& refusal : kRefusals) {
     book.counter({"mbgate_bus_refused_requests_total",
                   "Requests that were never sent, or not again, by reason."},
-                 {{"bus", bus.name}, {"reason", refusal.reason}},
-                 static_cast<double>(bus.counters.*refusal.member));
+                 {{"bus", bus.name}, {"reason", refusal.reason}}, bus.counters.*refusal.member);
   }
   if (bus.is_serial) {
     book.histogram({"mbgate_bus_silence_seconds", "Silence on the line before each transmission."},

@@ -16,14 +16,6 @@ prometheus::ClientMetric& MetricBook::add(const Kind& kind, prometheus::MetricTy
   return metric;
 }
 
-void MetricBook::counter(const Kind& kind, Labels labels, double value) {
-  add(kind, prometheus::MetricType::Counter, std::move(labels)).counter.value = value;
-}
-
-void MetricBook::gauge(const Kind& kind, Labels labels, double value) {
-  add(kind, prometheus::MetricType::Gauge, std::move(labels)).gauge.value = value;
-}
-
 void MetricBook::histogram(const Kind& kind, Labels labels, const bus::Histogram& histogram) {
   auto& shown = add(kind, prometheus::MetricType::Histogram, std::move(labels)).histogram;
   std::uint64_t sum = 0;

@@ -32,8 +32,14 @@ class MetricBook {
     const char* help;  ///< one sentence
   };
 
-  void counter(const Kind& kind, Labels labels, double value);
-  void gauge(const Kind& kind, Labels labels, double value);
+  void counter(const Kind& kind, Labels labels, auto value) {
+    add(kind, prometheus::MetricType::Counter, std::move(labels)).counter.value =
+        static_cast<double>(value);
+  }
+  void gauge(const Kind& kind, Labels labels, auto value) {
+    add(kind, prometheus::MetricType::Gauge, std::move(labels)).gauge.value =
+        static_cast<double>(value);
+  }
   void histogram(const Kind& kind, Labels labels, const bus::Histogram& histogram);
 
   /// In the order in which the families came first.
@@ -46,8 +52,7 @@ class MetricBook {
   std::map<std::string, std::size_t> places_;
 };
 
-// Why the gateway itself answers with an exception: one reason for each code.
-
+/// Why the gateway itself answers with an exception: one reason for each code.
 struct ExceptionReason {
   std::uint8_t code;
   const char* digits;

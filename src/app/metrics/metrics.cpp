@@ -42,12 +42,12 @@ void add_process(MetricBook& book, const gateway::StatusReport& report,
     }
   }
   book.gauge({"mbgate_diagnoses", "Faults found at present: see mbgatectl status."}, {},
-             static_cast<double>(gateway::diagnose(report).size()));
+             gateway::diagnose(report).size());
   book.counter({"mbgate_foreign_adus_total", "Skipped ADUs of other protocols than Modbus."}, {},
-               static_cast<double>(report.counters.foreign_adus));
+               report.counters.foreign_adus);
   book.counter({"mbgate_framing_lost_total",
                 "Connections closed because what came was no Modbus TCP any more."},
-               {}, static_cast<double>(report.counters.framing_lost));
+               {}, report.counters.framing_lost);
 }
 
 void add_listener(MetricBook& book, const gateway::ListenerStatus& listener,
@@ -58,40 +58,39 @@ void add_listener(MetricBook& book, const gateway::ListenerStatus& listener,
     return more;
   };
   book.gauge({"mbgate_listener_open_connections", "Connections of clients."}, labels(),
-             static_cast<double>(listener.connections));
+             listener.connections);
   book.counter({"mbgate_listener_connections_total", "Connections that were let in."}, labels(),
-               static_cast<double>(counters.connections));
+               counters.connections);
   for (const auto& [limit, displaced] :
        {std::pair("max_connections", counters.displaced_full),
         std::pair("max_connections_per_address", counters.displaced_address_full)}) {
     book.counter({"mbgate_listener_displaced_connections_total",
                   "Connections closed to make room for others, by the limit that was reached."},
-                 labels({{"limit", limit}}), static_cast<double>(displaced));
+                 labels({{"limit", limit}}), displaced);
   }
   for (std::size_t place = 0; place < gateway::kRefusalNames.size(); ++place) {
     book.counter({"mbgate_listener_refused_connections_total",
                   "Connections that were not let in, by reason."},
                  labels({{"reason", gateway::kRefusalNames.at(place)}}),
-                 static_cast<double>(counters.refused_connections.at(place)));
+                 counters.refused_connections.at(place));
   }
   const auto failures = tls_failures.find(listener.name);
   book.counter({"mbgate_listener_tls_failures_total",
                 "Clients whose handshake failed or was refused, and those that a reload ended "
                 "because of their certificate."},
-               labels(),
-               failures == tls_failures.end() ? 0 : static_cast<double>(failures->second));
+               labels(), failures == tls_failures.end() ? 0 : failures->second);
   book.counter({"mbgate_listener_requests_total", "Requests of clients."}, labels(),
-               static_cast<double>(counters.requests));
+               counters.requests);
   book.counter({"mbgate_listener_over_rate_requests_total",
                 "Requests refused because their client sent more than max_requests_per_second."},
-               labels(), static_cast<double>(counters.over_rate));
+               labels(), counters.over_rate);
   const MetricBook::Kind refused{
       "mbgate_listener_refused_requests_total",
       "Requests that the gateway itself answered with an exception, by its code."};
   for (const ExceptionReason& it : kExceptionReasons) {
     const auto add = [&](const char* kind, const bus::ExceptionCounts& counts) {
       book.counter(refused, labels({{"kind", kind}, {"code", it.digits}, {"reason", it.reason}}),
-                   static_cast<double>(counts.of(it.code)));
+                   counts.of(it.code));
     };
     add("read", counters.refused_reads);
     add("write", counters.refused_writes);

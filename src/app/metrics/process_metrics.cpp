@@ -36,12 +36,11 @@ void add_descriptors(MetricBook& book) {
   if (!failed) {
     // The folder itself is open while it is read.
     book.gauge({"process_open_fds", "Open file descriptors."}, {},
-               static_cast<double>(std::distance(begin(open), end(open)) - 1));
+               std::distance(begin(open), end(open)) - 1);
   }
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) == 0) {
-    book.gauge({"process_max_fds", "How many may be open."}, {},
-               static_cast<double>(limit.rlim_cur));
+    book.gauge({"process_max_fds", "How many may be open."}, {}, limit.rlim_cur);
   }
 }
 

@@ -17,9 +17,8 @@ std::optional<boost::beast::http::response<boost::beast::http::string_body>> pag
     const boost::beast::http::request<boost::beast::http::string_body>& request,
     std::string_view path);
 
-// The files of the status page, as they are in this folder. CMake puts them into the program
-// (embed.cmake), so that it needs no folder of its own when it runs.
-
+/// The files of the status page, as they are in this folder. CMake puts them into the program
+/// (embed.cmake), so that it needs no folder of its own when it runs.
 struct PageFile {
   std::string_view name;  ///< "page.css"
   std::string_view content;

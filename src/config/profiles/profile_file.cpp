@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <tuple>
 #include <utility>
 
+#include "base/text.hpp"
 #include "config/profiles/profile_entries.hpp"
 #include "config/toml/match_entry.hpp"
 
@@ -276,12 +276,7 @@ LoadedProfile read(TomlDocument document) {
 
 std::string ProfileFile::number(modbus::Table table, std::uint32_t address) const {
   const auto first = numbering.at(static_cast<std::size_t>(table));
-  if (first != 0) {
-    return std::to_string(first + address);
-  }
-  std::array<char, 16> text{};
-  const int length = std::snprintf(text.data(), text.size(), "0x%04X", address);
-  return {text.data(), static_cast<std::size_t>(length)};
+  return first != 0 ? std::to_string(first + address) : "0x" + hex_text(address, 4);
 }
 
 LoadedProfile load_profile(const std::filesystem::path& path) {

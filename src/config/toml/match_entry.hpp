@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which written values an entry of a profile or a device matches.
+// Which written values an entry of a profile or a device matches; words and ranges of several
+// files.
 #pragma once
 
 #include <array>

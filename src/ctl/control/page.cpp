@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/control/page.hpp"
-
 #include <algorithm>
+
+#include "ctl/control/status_text.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -7,10 +7,9 @@
 
 #include <algorithm>
 #include <clocale>
-#include <cstdio>
 #include <utility>
 
-#include "ctl/control/page.hpp"
+#include "ctl/control/status_text.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -11,6 +11,7 @@
 #include <tuple>
 #include <vector>
 
+#include "base/text.hpp"
 #include "ctl/visible_text.hpp"
 #include "modbus/codes.hpp"
 
@@ -30,10 +31,6 @@ double number(const object& from, const char* key) { return from.at(key).to_numb
 
 std::string whole(const object& from, const char* key) {
   return from.at(key).is_null() ? "-" : std::to_string(std::llround(number(from, key)));
-}
-
-std::string counted(double count, const char* one) {
-  return std::to_string(std::llround(count)) + " " + one + (count == 1 ? "" : "s");
 }
 
 // "0.4", "12", "1300": three digits are enough to see which drive is slow.
@@ -209,10 +206,11 @@ std::string clients_text(const boost::json::array& clients) {
 
 std::string status_text(const object& status) {
   const object& configuration = status.at("configuration").as_object();
-  std::string all = "mbgated " + text(status, "version") + ", up " +
-                    age(number(status, "uptime_s")) + ", " + text(configuration, "file") +
-                    " as of " + text(configuration, "read_at") + ", " +
-                    counted(number(status, "requests"), "request") + "\n";
+  std::string all =
+      "mbgated " + text(status, "version") + ", up " + age(number(status, "uptime_s")) + ", " +
+      text(configuration, "file") + " as of " + text(configuration, "read_at") + ", " +
+      counted(static_cast<std::uint64_t>(std::llround(number(status, "requests"))), "request") +
+      "\n";
   if (configuration.contains("sha256")) {  // not of an mbgated of before an upgrade
     all += "Configuration: sha256 " + text(configuration, "sha256") + "\n";
   }

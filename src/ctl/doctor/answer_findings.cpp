@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/doctor/answer_findings.hpp"
-
 #include <algorithm>
 #include <iterator>
 
+#include "base/text.hpp"
 #include "config/toml/duration_text.hpp"
+#include "ctl/doctor/line_findings.hpp"
 #include "ctl/doctor/trial.hpp"
 #include "modbus/codes.hpp"
 
@@ -58,7 +58,7 @@ std::string answered_text(const Tally& tally) {
 }
 
 std::string unanswered_text(const Tally& tally) {
-  const auto text = "no answer to " + number_of_text(tally.asked, "request");
+  const auto text = "no answer to " + counted(tally.asked, "request");
   if (tally.silent < tally.asked) {
     return text + ": " + failures_text(tally);
   }
@@ -143,7 +143,7 @@ void judge_late(Finding& finding, const LinePlan& plan, const PlannedUnit& unit,
 void judge_overdue(Finding& finding, const PlannedUnit& unit, const Tally& tally) {
   const auto wait = config::to_text(answer_wait(unit) - unit.response_wait);
   finding.verdict = Judgement::fault;
-  finding.seen += "; " + number_of_text(tally.overdue, "answer") + " came after more than " +
+  finding.seen += "; " + counted(tally.overdue, "answer") + " came after more than " +
                   config::to_text(answer_wait(unit));
   finding.advice = "set response_timeout to more than " + wait +
                    ", and run this again; or see why the device takes so long";

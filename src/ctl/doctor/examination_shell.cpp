@@ -4,8 +4,8 @@
 #include <ostream>
 #include <utility>
 
+#include "base/text.hpp"
 #include "config/toml/duration_text.hpp"
-#include "ctl/doctor/answer_findings.hpp"
 #include "ctl/doctor/idle_line.hpp"
 #include "ctl/doctor/line_findings.hpp"
 #include "ctl/doctor/port_facts_shell.hpp"
@@ -122,9 +122,9 @@ std::string announcement(const LinePlan& plan, const DoctorCommand& command) {
                      config::to_text(command.listen);
   if (!plan.nobody) {
     text += ", then reads holding register " + std::to_string(command.holding_register) + " " +
-            number_of_text(command.requests, "time") +
+            counted(command.requests, "time") +
             (plan.units.size() == 1 ? " of " + unit_text(plan.units.front())
-                                    : " of each of " + number_of_text(plan.units.size(), "unit"));
+                                    : " of each of " + counted(plan.units.size(), "unit"));
   }
   return text + "; nothing is written";
 }

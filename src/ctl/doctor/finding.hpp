@@ -35,7 +35,4 @@ std::string findings_json(const std::string& device, const std::vector<Finding>&
 /// "4.1 ms": rounded to a tenth.
 std::string tenths_text(std::chrono::nanoseconds time);
 
-/// "1 byte", "2 bytes".
-std::string number_of_text(std::size_t number, const std::string& what);
-
 }  // namespace mbgate::ctl

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/text.hpp"
 #include "config/toml/duration_text.hpp"
 #include "ctl/doctor/bus_frames.hpp"
 #include "modbus/describe.hpp"
@@ -26,7 +27,7 @@ std::string first_frame_text(modbus::Bytes heard, const BusFrame& frame) {
 /// Of a line with whole frames on it.
 Finding frames_finding(const IdleLine& line, const BusFrames& found, const std::string& during) {
   Finding finding{Judgement::fault, "idle line", {}};
-  const auto count = number_of_text(found.frames.size(), "frame");
+  const auto count = counted(found.frames.size(), "frame");
   const auto first = ", the first: " + first_frame_text(line.heard, found.frames.front());
   if (requests_in(found) > 0) {
     finding.seen = "another client is on this line: " + count + " heard" + during + first;
@@ -74,7 +75,7 @@ Finding idle_finding(const IdleLine& line, const LineMode& mode) {
   }
   const modbus::Bytes heard(line.heard);
   Finding finding{Judgement::fault, "idle line", {}};
-  finding.seen = number_of_text(line.bytes, "byte") + " heard" + during + " that " +
+  finding.seen = counted(line.bytes, "byte") + " heard" + during + " that " +
                  (line.bytes == 1 ? "is" : "are") + " no frame at " + mode_text(mode) + ": " +
                  modbus::hex(heard.first(std::min(heard.size(), kBytesShown))) +
                  (line.bytes > kBytesShown ? " .." : "");

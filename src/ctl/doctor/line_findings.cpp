@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "base/text.hpp"
 #include "ctl/doctor/idle_line.hpp"
 #include "ctl/doctor/trial.hpp"
 
@@ -44,7 +45,7 @@ Finding full_echo_finding(const LinePlan& plan) {
 
 Finding doubled_finding(const UnitTrials& unit, const Tally& tally, const Tally& line) {
   Finding finding{Judgement::unknown, "addresses",
-                  std::to_string(tally.doubled) + " of " + number_of_text(tally.asked, "request") +
+                  std::to_string(tally.doubled) + " of " + counted(tally.asked, "request") +
                       " to " + unit_text(unit.unit) + " had two whole answers"};
   if (line.other_client) {
     finding.seen += ", but another client asks on this line too";
@@ -73,7 +74,7 @@ bool is_always_damaged(const Tally& tally) {
 Finding damaged_finding(const UnitTrials& unit, const Tally& tally) {
   return {Judgement::unknown, "addresses",
           "each answer of " + unit_text(unit.unit) + " is damaged (up to " +
-              number_of_text(tally.most_bytes, "byte") +
+              counted(tally.most_bytes, "byte") +
               "), while others answer well: two devices whose answers overlap would look so, and "
               "so would its own rate, parity, wires or transceiver",
           "switch it off: if something still answers, there is a second one"};
@@ -86,11 +87,11 @@ Finding other_client_finding(const std::string& request) {
 }
 
 Finding unasked_finding(const Unasked& unasked) {
-  return {Judgement::fault, "between requests",
-          number_of_text(unasked.bytes, "byte") +
-              " came that nobody had asked for; nobody was asked any more",
-          "as of noise (termination, bias, shield, motor cables beside it), or of another client, "
-          "maybe at another rate or parity"};
+  return {
+      Judgement::fault, "between requests",
+      counted(unasked.bytes, "byte") + " came that nobody had asked for; nobody was asked any more",
+      "as of noise (termination, bias, shield, motor cables beside it), or of another client, "
+      "maybe at another rate or parity"};
 }
 
 }  // namespace
@@ -120,7 +121,7 @@ Finding echo_finding(const LinePlan& plan, const std::vector<UnitTrials>& units)
   }
   if (line.echoes > 0) {
     return {Judgement::fault, "echo",
-            std::to_string(line.echoes) + " of " + number_of_text(line.asked, "request") +
+            std::to_string(line.echoes) + " of " + counted(line.asked, "request") +
                 " came back as they were sent, the others did not",
             "look for another client that sends at the same time, and for an adapter that loses "
             "bytes"};

@@ -21,4 +21,10 @@ Finding echo_finding(const LinePlan& plan, const std::vector<UnitTrials>& units)
 /// Nothing is claimed that another cause could explain as well.
 Finding addresses_finding(const std::vector<UnitTrials>& units);
 
+// What is to be said of how well and how soon each unit answers. Where causes look alike, all of
+// them are named.
+
+/// One for each unit, in their order. Each was asked at least once.
+std::vector<Finding> answer_findings(const LinePlan& plan, const std::vector<UnitTrials>& units);
+
 }  // namespace mbgate::ctl

@@ -7,7 +7,7 @@
 #include <charconv>
 #include <memory>
 
-#include "ctl/options/shared_options.hpp"
+#include "ctl/options/subcommands.hpp"
 #include "modbus/codes.hpp"
 
 namespace mbgate::ctl {

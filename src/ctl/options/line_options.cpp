@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "ctl/options/shared_options.hpp"
+#include "ctl/options/subcommands.hpp"
 #include "ctl/scan/scan.hpp"
 
 namespace mbgate::ctl {

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "config/toml/match_entry.hpp"
-#include "ctl/options/shared_options.hpp"
+#include "ctl/options/subcommands.hpp"
 #include "ctl/request/value_text.hpp"
 
 namespace mbgate::ctl {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The head of a profile's text: one line for each thing that concerns the whole drive.
 #include <array>
-#include <cstdio>
 #include <utility>
 
+#include "base/text.hpp"
 #include "config/toml/duration_text.hpp"
 #include "ctl/profile/profile_text.hpp"
 
@@ -107,9 +107,7 @@ std::string broadcast_text(const ProfileFile& file) {
   }
   std::string text = "at address " + std::to_string(broadcast.form->address);
   if (broadcast.form->function_or != 0) {
-    std::array<char, 16> digits{};
-    std::snprintf(digits.data(), digits.size(), "0x%02X", broadcast.form->function_or);
-    text += std::string(", with function codes OR ") + digits.data();
+    text += ", with function codes OR 0x" + hex_text(broadcast.form->function_or, 2);
   }
   if (broadcast.most_registers) {
     text += ", at most " + std::to_string(*broadcast.most_registers) + " registers";
@@ -154,11 +152,7 @@ std::string profile_head(const config::ProfileFile& file) {
   return profile.name + ": " + file.description + "\n" + columns(rows);
 }
 
-std::string hex(unsigned number) {
-  std::array<char, 16> text{};
-  const int length = std::snprintf(text.data(), text.size(), "0x%04X", number);
-  return {text.data(), static_cast<std::size_t>(length)};
-}
+std::string hex(unsigned number) { return "0x" + hex_text(number, 4); }
 
 std::string_view table_name(Table table) {
   switch (table) {

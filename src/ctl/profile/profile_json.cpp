@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/profile/profile_json.hpp"
-
 #include <boost/json.hpp>
 #include <string_view>
 

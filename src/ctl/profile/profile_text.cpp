@@ -8,7 +8,6 @@
 #include "config/profiles/profile_library.hpp"
 #include "config/toml/duration_text.hpp"
 #include "config/toml/match_entry.hpp"
-#include "ctl/profile/profile_json.hpp"
 #include "ctl/request/carry_out.hpp"
 
 namespace mbgate::ctl {

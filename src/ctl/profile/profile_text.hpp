@@ -45,4 +45,19 @@ std::string profile_head(const config::ProfileFile& file);
 /// The whole profile, each line ended by a newline.
 std::string profile_text(const config::ProfileFile& file);
 
+// A profile as JSON, for programs. Addresses are protocol addresses.
+
+/// One line: {"name": ..., "values32": {"holding": [first addresses], "input": [...]}, ...};
+/// everything else (names, the manual's register numbers and lines, notes) is in "entries".
+std::string profile_json(const config::ProfileFile& file);
+
+/// A name and what kind of drive it is.
+struct ProfileTitle {
+  std::string name;
+  std::string description;
+};
+
+/// One line: [{"name": ..., "description": ...}, ...]
+std::string profiles_json(const std::vector<ProfileTitle>& titles);
+
 }  // namespace mbgate::ctl

@@ -13,7 +13,7 @@
 
 #include "config/toml/duration_text.hpp"
 #include "ctl/request/carry_out.hpp"
-#include "ctl/tls/certificate_role.hpp"
+#include "ctl/tls/handshake.hpp"
 #include "modbus/codes.hpp"
 #include "modbus/mbap.hpp"
 #include "modbus/response.hpp"

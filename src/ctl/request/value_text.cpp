@@ -5,9 +5,10 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <type_traits>
+
+#include "base/text.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -146,9 +147,7 @@ std::string character_text(std::uint8_t byte) {
   if (byte >= kFirstPrintable && byte <= kLastPrintable) {
     return {static_cast<char>(byte)};
   }
-  std::array<char, 8> text{};
-  std::snprintf(text.data(), text.size(), "\\x%02X", unsigned{byte});
-  return text.data();
+  return "\\x" + hex_text(byte, 2);
 }
 
 }  // namespace
@@ -215,10 +214,7 @@ std::string value_line(std::uint16_t address, ValueType type, std::uint64_t bits
   if (type == ValueType::bit) {
     return line + (bits != 0 ? " (on)" : " (off)");
   }
-  std::array<char, 24> hex{};
-  std::snprintf(hex.data(), hex.size(), " (0x%0*llX)", static_cast<int>(4 * width(type)),
-                static_cast<unsigned long long>(bits));
-  return line + hex.data();
+  return line + " (0x" + hex_text(bits, 4 * width(type)) + ")";
 }
 
 std::string text_of(std::span<const std::uint64_t> registers) {

@@ -15,9 +15,8 @@
 
 namespace mbgate::ctl {
 
-// What registers hold, and how values become registers. A value is carried as its bits; its type
-// says what they mean. A text is carried as its registers, which are values of 16 bits.
-
+/// What registers hold, and how values become registers. A value is carried as its bits; its type
+/// says what they mean. A text is carried as its registers, which are values of 16 bits.
 enum class ValueType : std::uint8_t {
   bit,  ///< a coil or a discrete input
   u16,

@@ -83,8 +83,7 @@ class Candidate {
 /// zeros around the text are removed. Empty if it is not a text.
 std::string register_text(const std::vector<std::uint16_t>& registers, drive::WordOrder order);
 
-// The candidates of a scan and the reads that tell them apart, computed once.
-
+/// The candidates of a scan and the reads that tell them apart, computed once.
 struct Question {
   modbus::TableRange read;
   std::vector<Foreseen> foreseen;  ///< by candidate

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/scan/port_scan.hpp"
-
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
@@ -9,6 +7,7 @@
 #include <utility>
 
 #include "ctl/request/repetition.hpp"
+#include "ctl/scan/scan.hpp"
 #include "ctl/scan/sweep.hpp"
 #include "ctl/serial/serial_client.hpp"
 #include "ctl/serial/serial_port.hpp"

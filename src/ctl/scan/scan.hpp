@@ -4,12 +4,14 @@
 #pragma once
 
 #include <functional>
+#include <iosfwd>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "ctl/request/command.hpp"
 #include "ctl/scan/identifier.hpp"
+#include "ctl/serial/serial_port.hpp"
 
 namespace mbgate::ctl {
 
@@ -42,5 +44,24 @@ Answer answer_of(const modbus::TableRange& read, const modbus::Pdu& response);
 /// "1-32", "1,5,17-20": units 1 to 247. The result is in ascending order, each unit once. The error
 /// is a full sentence.
 Result<std::vector<std::uint8_t>, std::string> parse_units(std::string_view text);
+
+// Scans the line at a serial port, without a gateway: finds the mode, then identifies the units.
+
+/// A serial port, and the mode in which its units answered.
+struct FoundLine {
+  std::string device;
+  std::optional<std::string> lasting_name{};  ///< another path to it, in /dev/serial/by-id
+  LineMode mode{};
+};
+
+struct PortScan {
+  ScanResult result{};
+  std::optional<FoundLine> line{};   ///< the mode in which units answered
+  std::vector<std::string> notes{};  ///< what else was heard: a sentence each
+};
+
+/// `command` has a port. Says on `errors` how long it takes at most, and how far it is. SIGINT and
+/// SIGTERM end it with what was found.
+PortScan scan_port(const ScanCommand& command, const Catalogue& catalogue, std::ostream& errors);
 
 }  // namespace mbgate::ctl

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cerrno>
-#include <cstdio>
 #include <memory>
 #include <ostream>
 #include <system_error>
@@ -9,10 +8,8 @@
 #include "ctl/request/carry_out.hpp"
 #include "ctl/request/modbus_client.hpp"
 #include "ctl/request/report.hpp"
-#include "ctl/scan/port_scan.hpp"
 #include "ctl/scan/scan.hpp"
 #include "ctl/scan/scan_report.hpp"
-#include "ctl/scan/starting_config.hpp"
 #include "modbus/make_request.hpp"
 
 namespace mbgate::ctl {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "ctl/scan/port_scan.hpp"
+#include "ctl/scan/scan.hpp"
 
 namespace mbgate::ctl {
 
@@ -30,5 +30,19 @@ std::string scan_json(const ScanResult& result, const std::optional<std::string>
 /// The same of a serial port; also "line" (its mode; null if no unit answered) and "notes".
 std::string scan_json(const PortScan& scan, const std::optional<std::string>& configuration,
                       const std::optional<std::string>& error);
+
+// A configuration to start from, for the bus as a scan found it. `mbgated --check` accepts it as it
+// is. What reading cannot show is left as a comment to choose from, never guessed: with a wrong
+// word order an axis would move to another position.
+
+/// `bus` is the name that the bus gets.
+std::string starting_config(const Target& target, const std::string& bus,
+                            const std::vector<FoundUnit>& found);
+std::string starting_config(const FoundLine& line, const std::string& bus,
+                            const std::vector<FoundUnit>& found);
+
+/// A response timeout with a good margin over the slowest answer that was seen: at least three
+/// times as long, at least 100 ms, rounded.
+std::chrono::milliseconds sensible_timeout(std::chrono::nanoseconds slowest);
 
 }  // namespace mbgate::ctl

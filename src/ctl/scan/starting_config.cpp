@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/scan/starting_config.hpp"
-
 #include <array>
 
 #include "config/toml/duration_text.hpp"

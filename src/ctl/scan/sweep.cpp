@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/text.hpp"
 #include "config/toml/duration_text.hpp"
 #include "ctl/serial/serial_client.hpp"
 
@@ -110,10 +111,6 @@ std::optional<std::string> carry_out_sweep(Sweep& sweep, const SweptLine& line) 
 
 namespace {
 
-std::string count_text(std::size_t count, const std::string& what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-}
-
 std::string at(const ModeFindings& found) { return "at " + mode_text(found.mode) + " "; }
 
 std::string frames_text(const ModeFindings& found) {
@@ -123,14 +120,14 @@ std::string frames_text(const ModeFindings& found) {
 }
 
 std::string noise_text(const ModeFindings& found) {
-  std::string text = at(found) + count_text(found.noise_bytes, "byte") + " heard that " +
+  std::string text = at(found) + counted(found.noise_bytes, "byte") + " heard that " +
                      (found.noise_bytes == 1 ? "is" : "are") + " no answer: ";
   if (found.bad_crcs > 0) {
-    text += count_text(found.bad_crcs, "frame") + " with a bad CRC" +
+    text += counted(found.bad_crcs, "frame") + " with a bad CRC" +
             (found.noise > 0 ? ", and " : ", as of two units with one address");
   }
   if (found.noise > 0) {
-    text += "no frame after " + count_text(found.noise, "request");
+    text += "no frame after " + counted(found.noise, "request");
   }
   return text;
 }
@@ -139,11 +136,11 @@ std::string noise_text(const ModeFindings& found) {
 
 std::string sweep_announcement(const std::string& device, const SweepPlan& plan) {
   const auto most = std::chrono::ceil<std::chrono::seconds>(longest(plan));
-  std::string text = "asking " + count_text(plan.units.size(), "unit") + " at " + device;
+  std::string text = "asking " + counted(plan.units.size(), "unit") + " at " + device;
   if (plan.modes.size() == 1) {
     text += " at " + mode_text(plan.modes.front());
   } else {
-    text += " in " + count_text(plan.modes.size(), "mode") + ", " + mode_text(plan.modes.front()) +
+    text += " in " + counted(plan.modes.size(), "mode") + ", " + mode_text(plan.modes.front()) +
             " first";
   }
   return text + ": " + config::to_text(most) + " at most; only reads are sent";
@@ -189,7 +186,7 @@ std::string nobody_text(const std::string& device, const Sweep& sweep) {
       std::ranges::count_if(sweep.findings(), [](const auto& found) { return !found.refusal; });
   const std::string modes = tried == 1 && sweep.findings().size() == 1
                                 ? "at " + mode_text(sweep.findings().front().mode)
-                                : "in " + count_text(static_cast<std::size_t>(tried), "mode");
+                                : "in " + counted(static_cast<std::size_t>(tried), "mode");
   return "no unit answered at " + device + " " + modes;
 }
 

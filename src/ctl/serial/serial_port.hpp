@@ -16,8 +16,7 @@
 
 namespace mbgate::ctl {
 
-// How characters are sent on a serial line: rate, parity, stop bits. RTU, so always 8 data bits.
-
+/// How characters are sent on a serial line: rate, parity, stop bits. RTU, so always 8 data bits.
 struct LineMode {
   modbus::Baud baud{9600};
   modbus::CharacterFormat format{};

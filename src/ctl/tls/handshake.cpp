@@ -3,7 +3,7 @@
 
 #include <netdb.h>
 #include <openssl/err.h>
-#include <openssl/x509v3.h>
+#include <openssl/pem.h>
 #include <poll.h>
 #include <pthread.h>
 #include <sys/socket.h>
@@ -17,6 +17,9 @@
 #include <system_error>
 #include <utility>
 
+#include "ctl/visible_text.hpp"
+#include "routing/role_extension.hpp"
+#include "sys/openssl.hpp"
 #include "sys/tls_pump.hpp"
 
 namespace mbgate::ctl {
@@ -89,17 +92,6 @@ std::optional<std::string> load(SSL_CTX& context, const TlsIdentity& identity) {
   return std::nullopt;
 }
 
-void expect_name(SSL& session, const std::string& name) {
-  X509_VERIFY_PARAM* const wanted = SSL_get0_param(&session);
-  if (X509_VERIFY_PARAM_set1_ip_asc(wanted, name.c_str()) != 1) {
-    static_cast<void>(sys::take_openssl_error());  // it is no address
-    expect_openssl(X509_VERIFY_PARAM_set1_host(wanted, name.c_str(), name.size()));
-    std::string text = name;
-    expect_openssl(static_cast<int>(
-        SSL_ctrl(&session, SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name, text.data())));
-  }
-}
-
 /// What is wrong with the server's certificate, and what to look at.
 std::string verify_text(const SSL& session, const std::string& name, const TlsIdentity& identity) {
   const long result = SSL_get_verify_result(&session);
@@ -157,15 +149,6 @@ std::optional<std::string> shake_hands(sys::TlsStream& stream, int socket, Deadl
   return why == kClosed ? why + ": does it speak TLS at this port?" : why;
 }
 
-sys::ContextHandle make_context() {
-  sys::ContextHandle context(expect_openssl(SSL_CTX_new(TLS_client_method())));
-  expect_openssl(static_cast<int>(SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION)));
-  SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, nullptr);
-  SSL_CTX_set_mode(context.get(),
-                   SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
-  return context;
-}
-
 }  // namespace
 
 std::string failure_text(const sys::TlsStream& stream, sys::TlsStream::Step step) {
@@ -208,7 +191,8 @@ Result<TlsConnection, std::string> connect_tls(const std::string& host, std::uin
                                                std::chrono::nanoseconds timeout,
                                                const TlsIdentity& identity) {
   const Deadline deadline = std::chrono::steady_clock::now() + timeout;
-  const sys::ContextHandle context = make_context();
+  const sys::ContextHandle context = sys::client_context();
+  expect_openssl(context.get());
   if (auto why = load(*context, identity)) {
     return *std::move(why);
   }
@@ -218,7 +202,7 @@ Result<TlsConnection, std::string> connect_tls(const std::string& host, std::uin
   }
   sys::SslHandle session(expect_openssl(SSL_new(context.get())));
   const std::string& name = identity.server_name.empty() ? host : identity.server_name;
-  expect_name(*session, name);
+  expect_openssl(sys::expect_name(*session, name) ? 1 : 0);
   SSL_set_connect_state(session.get());
   auto stream = std::make_unique<sys::TlsStream>(std::move(session), socket->get());
   if (auto why = shake_hands(*stream, socket->get(), deadline)) {
@@ -260,6 +244,25 @@ void TlsTunnel::carry() {
     connection_.stream->say_goodbye();
   }
   ::shutdown(ours_.get(), SHUT_RDWR);
+}
+
+std::string role_in_file(const std::filesystem::path& file) {
+  const sys::BioHandle input(BIO_new_file(file.c_str(), "r"));
+  const sys::CertificateHandle certificate(
+      input ? PEM_read_bio_X509(input.get(), nullptr, nullptr, nullptr) : nullptr);
+  if (!certificate) {
+    ERR_clear_error();
+    return {};
+  }
+  const auto role = routing::role_of(sys::extensions_of(*certificate, routing::kRoleExtension));
+  if (role.kind == routing::ClientRole::Kind::unreadable) {
+    return "unreadable: a gateway answers every request with exception 01";
+  }
+  std::string text = "\"";
+  for (const char it : visible_text(role.name)) {
+    text.append(it == '"' || it == '\\' ? "\\" : "").push_back(it);
+  }
+  return role.name.empty() ? "none: the NULL role, which rules write as \"\"" : text + "\"";
 }
 
 }  // namespace mbgate::ctl

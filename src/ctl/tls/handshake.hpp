@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <thread>
@@ -33,9 +34,8 @@ Result<TlsConnection, std::string> connect_tls(const std::string& host, std::uin
 /// expired".
 std::string failure_text(const sys::TlsStream& stream, sys::TlsStream::Step step);
 
-// A socket for whoever cannot speak TLS: what is written into it goes to the server over TLS, and
-// what the server says comes out of it. A thread carries the bytes from one to the other.
-
+/// A socket for whoever cannot speak TLS: what is written into it goes to the server over TLS, and
+/// what the server says comes out of it. A thread carries the bytes from one to the other.
 class TlsTunnel {
  public:
   explicit TlsTunnel(TlsConnection connection);
@@ -60,5 +60,11 @@ class TlsTunnel {
   std::atomic<bool> has_ended_{false};
   std::thread thread_;
 };
+
+// The role in a client's certificate (routing/role_extension), in words.
+
+/// The role in the first certificate of a file, as a gateway reads it: "operator" in quotes, or
+/// "none: ..."; empty if the file has no certificate.
+std::string role_in_file(const std::filesystem::path& file);
 
 }  // namespace mbgate::ctl

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/trace/bus_packets.hpp"
-
 #include <algorithm>
 #include <string_view>
 
+#include "ctl/trace/trace_capture.hpp"
 #include "ctl/trace/trace_lines.hpp"
 #include "modbus/ascii.hpp"
 #include "modbus/mbap.hpp"

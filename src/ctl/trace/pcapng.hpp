@@ -36,9 +36,8 @@ ByteString interface_block(LinkType type, const std::string& name, const std::st
 /// `interface`: the number of one whose block comes before.
 ByteString packet_block(std::uint32_t interface, const CapturedPacket& packet);
 
-// TCP segments made up around what a client and the gateway said, with the checksums that they
-// need: IPv4 (RFC 791), IPv6 (RFC 8200), TCP (RFC 9293).
-
+/// TCP segments made up around what a client and the gateway said, with the checksums that they
+/// need: IPv4 (RFC 791), IPv6 (RFC 8200), TCP (RFC 9293).
 struct TcpEndpoint {
   ByteString address;  ///< 4 or 16 octets
   std::uint16_t port = 0;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "ctl/trace/bus_packets.hpp"
 #include "ctl/trace/trace_lines.hpp"
 
 namespace mbgate::ctl {

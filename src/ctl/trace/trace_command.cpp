@@ -10,7 +10,6 @@
 #include "ctl/request/repetition.hpp"
 #include "ctl/request/report.hpp"
 #include "ctl/trace/trace_printer.hpp"
-#include "ctl/trace/trace_query.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/text.hpp"
 #include "modbus/codes.hpp"
 #include "modbus/describe.hpp"
 #include "modbus/mbap.hpp"
@@ -237,7 +238,7 @@ std::string request_failure(const TraceEvent& event) {
 }
 
 std::string and_more(std::uint64_t not_kept, const std::string& what) {
-  return "and " + std::to_string(not_kept) + " " + what + (not_kept == 1 ? "" : "s") + " more";
+  return "and " + counted(not_kept, what) + " more";
 }
 
 }  // namespace mbgate::ctl

@@ -7,7 +7,9 @@
 #include <boost/json/value.hpp>
 #include <ostream>
 #include <stdexcept>
+#include <string_view>
 
+#include "base/text.hpp"
 #include "ctl/trace/trace_lines.hpp"
 #include "ctl/visible_text.hpp"
 
@@ -83,6 +85,43 @@ void TracePrinter::put(const ByteString& blocks) {
 bool TracePrinter::is_written() const {
   return (ways_.text == nullptr || ways_.text->good()) &&
          (ways_.capture == nullptr || ways_.capture->good());
+}
+
+namespace {
+
+constexpr std::string_view kUnreserved =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
+
+std::string percent_encoded(std::string_view text) {
+  std::string encoded;
+  for (const char character : text) {
+    if (kUnreserved.find(character) != std::string_view::npos) {
+      encoded += character;
+    } else {
+      encoded += '%' + hex_text(static_cast<unsigned char>(character), 2);
+    }
+  }
+  return encoded;
+}
+
+}  // namespace
+
+std::string trace_target(const TraceFilter& filter) {
+  std::string query;
+  const auto add = [&](std::string_view key, std::string_view value) {
+    if (!value.empty()) {
+      query.append(query.empty() ? "?" : "&")
+          .append(key)
+          .append("=")
+          .append(percent_encoded(value));
+    }
+  };
+  add("bus", filter.bus);
+  add("device", filter.device);
+  add("client", filter.client);
+  add("function", filter.function ? std::to_string(*filter.function) : "");
+  add("only", filter.only_failed ? "failed" : "");
+  return "/api/v1/trace" + query;
 }
 
 }  // namespace mbgate::ctl

@@ -5,8 +5,10 @@
 #include <cstddef>
 #include <iosfwd>
 #include <optional>
+#include <string>
 
 #include "ctl/control/event_reader.hpp"
+#include "ctl/request/command.hpp"
 #include "ctl/trace/trace_capture.hpp"
 
 namespace mbgate::ctl {
@@ -41,5 +43,11 @@ class TracePrinter {
   TraceCapture capture_;
   std::size_t taken_ = 0;
 };
+
+// What mbgated is asked for a trace.
+
+/// "/api/v1/trace?bus=line-a&only=failed"; what is not a letter, digit or one of -._~ goes as the
+/// percent-encoded octets of its UTF-8 (RFC 3986, 2.1).
+std::string trace_target(const TraceFilter& filter);
 
 }  // namespace mbgate::ctl

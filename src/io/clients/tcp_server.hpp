@@ -82,8 +82,7 @@ class TcpServer {
   sys::UniqueFd spare_;
 };
 
-// The sockets that accept clients. One listener may have several.
-
+/// The sockets that accept clients. One listener may have several.
 class ServerSet {
  public:
   ServerSet(boost::asio::io_context& context, AcceptEvents& events)

@@ -117,8 +117,7 @@ template <class Read, class HandOver>
   return {};
 }
 
-// The lines of all buses. A reload may change a line; the next open() uses the new settings.
-
+/// The lines of all buses. A reload may change a line; the next open() uses the new settings.
 class LineSet {
  public:
   explicit LineSet(LineContext context) : context_(std::move(context)) {}

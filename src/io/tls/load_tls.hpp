@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "io/tls/tls_events.hpp"
+#include "io/tls/tls_context.hpp"
 
 namespace mbgate::io {
 

@@ -2,8 +2,6 @@
 // The methods of RSA and EC keys are how OpenSSL 3 lets a program sign without a provider of its
 // own. They are deprecated in favour of providers, which need many times as much code.
 #define OPENSSL_SUPPRESS_DEPRECATED
-#include "io/tls/remote_key.hpp"
-
 #include <openssl/ec.h>
 #include <openssl/rsa.h>
 
@@ -11,6 +9,8 @@
 #include <cstring>
 #include <optional>
 #include <span>
+
+#include "io/tls/signer_client.hpp"
 
 namespace mbgate::io {
 namespace {

@@ -15,6 +15,7 @@
 #include "base/signing.hpp"
 #include "bus/instant.hpp"
 #include "modbus/result.hpp"
+#include "sys/openssl.hpp"
 #include "sys/unique_fd.hpp"
 
 namespace mbgate::io {
@@ -57,5 +58,10 @@ class SignerClient {
   std::mutex mutex_;  ///< of the connection: a reload may use the key while the old one still signs
   sys::UniqueFd socket_;
 };
+
+// A private key for OpenSSL that is not in this process: whatever needs it asks mbgate-signer.
+
+/// A key of RSA or EC, as `signer` has it. Nothing if OpenSSL does not take it.
+sys::KeyHandle remote_key(std::shared_ptr<SignerClient> signer);
 
 }  // namespace mbgate::io

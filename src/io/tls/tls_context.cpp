@@ -11,7 +11,7 @@
 
 #include "io/tls/fingerprint.hpp"
 #include "io/tls/pem_files.hpp"
-#include "io/tls/remote_key.hpp"
+#include "io/tls/signer_client.hpp"
 #include "routing/role_extension.hpp"
 
 namespace mbgate::io {

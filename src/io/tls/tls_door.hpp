@@ -11,7 +11,7 @@
 
 #include "gateway/second_rate.hpp"
 #include "io/clients/tcp_server.hpp"
-#include "io/tls/tls_events.hpp"
+#include "io/tls/tls_context.hpp"
 #include "io/tls/tls_front.hpp"
 
 namespace mbgate::io {

@@ -17,7 +17,7 @@
 #include "io/clients/hangup_watch.hpp"
 #include "io/heartbeat.hpp"
 #include "io/tls/tls_client.hpp"
-#include "io/tls/tls_events.hpp"
+#include "io/tls/tls_context.hpp"
 
 namespace mbgate::io {
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/uplink/tls_uplink.hpp"
 
+#include <openssl/x509_vfy.h>
 #include <sys/socket.h>
 
 #include <array>
@@ -11,8 +12,10 @@
 #include <thread>
 #include <utility>
 
+#include "base/assert.hpp"
 #include "io/blocking_calls.hpp"
-#include "io/uplink/peer_context.hpp"
+#include "io/tls/pem_files.hpp"
+#include "io/tls/signer_client.hpp"
 #include "sys/tls_pump.hpp"
 
 namespace mbgate::io {
@@ -23,6 +26,70 @@ struct TlsUplink::Shared {
 };
 
 namespace {
+
+using Wrong = std::optional<std::string>;
+
+/// OpenSSL would tidy up at the end of the process, while a thread of an uplink may still use it.
+/// Only its first initialisation can leave that out.
+const int kNoTidying = OPENSSL_init_crypto(OPENSSL_INIT_NO_ATEXIT, nullptr);
+
+Wrong use_key(SSL_CTX& context, const bus::TlsPeer& peer) {
+  auto signer = SignerClient::open(peer.signer, peer.key);
+  if (!signer) {
+    return signer.error().why;
+  }
+  const sys::KeyHandle key = remote_key(*std::move(signer));
+  if (!key || SSL_CTX_use_PrivateKey(&context, key.get()) != 1) {
+    return peer.key + ": it is not the key of " + peer.certificate + " (" +
+           sys::take_openssl_error() + ")";
+  }
+  return std::nullopt;
+}
+
+/// The TLS settings with which a line connects to a server: our certificate, whose key the signer
+/// holds, and the authorities that we trust. The files are read for each connection, so that a
+/// renewed one is used without a reload. Reading files and asking the signer may block.
+Result<sys::SslHandle, std::string> make_peer(const bus::TlsPeer& peer) {
+  MBGATE_ASSERT(kNoTidying == 1, "OpenSSL does not tidy up at the end");
+  const sys::ContextHandle context = sys::client_context();
+  if (!context) {
+    return sys::take_openssl_error();
+  }
+  SSL_CTX_set_options(context.get(), SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_COMPRESSION);
+  SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, accept_expired_list);
+  Wrong wrong = use_certificate(*context, peer.certificate);
+  if (wrong) {
+    return *std::move(wrong);
+  }
+  if (auto trusted = use_authorities(*context, peer.authorities, peer.crl); !trusted) {
+    return trusted.error();
+  }
+  wrong = use_key(*context, peer);
+  if (wrong) {
+    return *std::move(wrong);
+  }
+  sys::SslHandle ssl(SSL_new(context.get()));
+  if (!ssl) {
+    return sys::take_openssl_error();
+  }
+  if (!sys::expect_name(*ssl, peer.server_name)) {
+    return "server_name: no certificate can be for such a name (" + sys::take_openssl_error() + ")";
+  }
+  return ssl;
+}
+
+/// Why the server's certificate is not accepted; empty: it is, or there was none to look at.
+std::string objection_to_peer(const SSL& ssl, const std::string& server_name) {
+  const long result = SSL_get_verify_result(&ssl);
+  if (result == X509_V_OK) {
+    return {};
+  }
+  const std::string text =
+      std::string("certificate verify failed: ") + X509_verify_cert_error_string(result);
+  return result == X509_V_ERR_HOSTNAME_MISMATCH || result == X509_V_ERR_IP_ADDRESS_MISMATCH
+             ? text + ": it is not for " + server_name
+             : text;
+}
 
 /// A server that does not take a frame for so long is given up, as by a line without TLS.
 constexpr std::chrono::milliseconds kTakeTime{1000};
@@ -55,7 +122,6 @@ std::string run_uplink(int server, int line, const bus::TlsPeer& peer) {
   SSL_set_connect_state(ssl->get());
   sys::TlsStream stream(*std::move(ssl), server);
   sys::TlsPump pump(stream, server, line);
-  std::string why;
   End end = pump.shake_hands(std::nullopt);
   if (end == End::stream) {
     return why_not_begun(stream, pump.last_step(), peer.server_name);

@@ -56,9 +56,8 @@ class LiveBus {
   std::optional<TcpPort> port_;
 };
 
-// Simulated drives behind a listening socket. Part of the simulator's shell, with the same
-// interface as LiveBus.
-
+/// Simulated drives behind a listening socket. Part of the simulator's shell, with the same
+/// interface as LiveBus.
 class LiveTcpBus {
  public:
   explicit LiveTcpBus(const BusSettings& settings);

@@ -16,8 +16,7 @@
 
 namespace mbgate::sim {
 
-// Where a simulated bus listens: an IPv4 address and a port, "127.0.0.1:1502".
-
+/// Where a simulated bus listens: an IPv4 address and a port, "127.0.0.1:1502".
 struct ListenAddress {
   std::string host = "127.0.0.1";
   std::uint16_t port = 0;  ///< 0: the kernel chooses

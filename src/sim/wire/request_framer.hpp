@@ -47,8 +47,7 @@ class RequestFramer {
   Instant last_{};
 };
 
-// The two framings of an ADU on a serial line, RTU and ASCII, for a simulated bus.
-
+/// The two framings of an ADU on a serial line, RTU and ASCII, for a simulated bus.
 enum class Framing : std::uint8_t { rtu, ascii };
 
 /// Long enough for either: an ASCII frame is the longer one.

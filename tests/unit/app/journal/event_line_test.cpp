@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/journal/event_topic.hpp"
-
 #include <gtest/gtest.h>
 
 #include <optional>
+
+#include "app/journal/event_topic.hpp"
 
 namespace mbgate::app::event_line_test {
 namespace {

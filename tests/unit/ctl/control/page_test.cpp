@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/control/page.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "ctl/control/status_text.hpp"
 
 namespace mbgate::ctl {
 namespace {

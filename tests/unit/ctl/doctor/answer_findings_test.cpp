@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/doctor/answer_findings.hpp"
-
 #include <gtest/gtest.h>
 
+#include "ctl/doctor/line_findings.hpp"
 #include "ctl/doctor/trial.hpp"
 #include "line_bytes.hpp"
 

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "ctl/scan/starting_config.hpp"
 #include "found_units.hpp"
 
 namespace mbgate::ctl {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/trace/bus_packets.hpp"
-
 #include <gtest/gtest.h>
 
+#include "ctl/trace/trace_capture.hpp"
 #include "modbus/ascii.hpp"
 #include "modbus/describe.hpp"
 #include "modbus/rtu.hpp"

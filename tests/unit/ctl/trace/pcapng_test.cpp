@@ -5,7 +5,7 @@
 
 #include <numeric>
 
-#include "ctl/trace/bus_packets.hpp"
+#include "ctl/trace/trace_capture.hpp"
 #include "trace_records.hpp"
 
 namespace mbgate::ctl {

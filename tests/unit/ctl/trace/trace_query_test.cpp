@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/trace/trace_query.hpp"
-
 #include <gtest/gtest.h>
+
+#include "ctl/trace/trace_printer.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/options/shared_options.hpp"
+#include "ctl/options/subcommands.hpp"
 
 #include <CLI/CLI.hpp>
 #include <memory>

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which name a server must have. That a server is trusted, or not, is shown with one
 // (tests/integration/tls_bus_test.py).
-#include "io/uplink/peer_context.hpp"
-
 #include <gtest/gtest.h>
 #include <openssl/x509_vfy.h>
 
-namespace mbgate::io {
+#include "sys/tls_stream.hpp"
+
+namespace mbgate::sys {
 namespace {
 
-/// Why it is no name, or the name that will be checked.
+/// The name that will be checked; "none": it is no name.
 std::string checked_name(const std::string& name) {
-  const sys::ContextHandle context(SSL_CTX_new(TLS_client_method()));
-  const sys::SslHandle ssl(SSL_new(context.get()));
-  if (const auto wrong = expect_name(*ssl, name)) {
-    return *wrong;
+  const ContextHandle context = client_context();
+  const SslHandle ssl(SSL_new(context.get()));
+  if (!expect_name(*ssl, name)) {
+    return "none";
   }
   X509_VERIFY_PARAM* const wanted = SSL_get0_param(ssl.get());
   const char* const host = X509_VERIFY_PARAM_get0_host(wanted, 0);
@@ -33,11 +33,9 @@ TEST(PeerName, IsNotLeftUncheckedWhereItCannotBe) {
   using namespace std::string_literals;
   for (const std::string& name :
        {""s, "\0"s, "gw\0.plant"s, "gw.plant\0"s, "192.0.2.7\0.evil"s, std::string(300, 'a')}) {
-    EXPECT_TRUE(
-        checked_name(name).starts_with("server_name: no certificate can be for such a name ("))
-        << checked_name(name);
+    EXPECT_EQ(checked_name(name), "none");
   }
 }
 
 }  // namespace
-}  // namespace mbgate::io
+}  // namespace mbgate::sys
