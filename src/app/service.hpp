@@ -1,6 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The running gateway as a process: binds the listeners, drives the machine, reports to systemd and
 // to the operator, reads the configuration again on SIGHUP, and shuts down on SIGTERM or SIGINT.
+//
+// To change
+// - listeners whose address does not exist yet: listeners.
+// - listening sockets that outlive the process: stored_sockets; which of them fits: is_bound_for()
+//   in io/clients/listening_socket.
+// - what systemd hears: ready, status, watchdog, sockets to keep: systemd (how), service (when).
+// - signals that come while the process starts: mbgated.
+// - what mbgated --serial serves: command_line: options to the text of a configuration.
+// - what helps where the system refuses something: io/advice, said where it fails:
+//   io/clients/listening_socket, io/lines/tcp_line, control/control_doors, recording; ports:
+//   io/lines/tty; a denied listener ends the start: listeners; what a configuration needs, said
+//   without trying: config/check_summary.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>

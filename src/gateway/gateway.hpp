@@ -3,6 +3,10 @@
 // After every handle() the driver empties poll_action() and re-arms next_wake().
 // Single-threaded; no clock, socket, log or random source inside. Spurious and late calls are
 // harmless.
+//
+// To change
+// - the order in which actions are handed out: lines before clients: Gateway::poll_action().
+// - which action or report a decision of a bus becomes: lines.
 #pragma once
 
 #include <optional>

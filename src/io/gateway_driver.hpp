@@ -2,6 +2,11 @@
 // Attaches real sockets, serial lines and the clock to the machine. Every input is handed over with
 // its time of arrival; then all actions are carried out and the single timer is set. The driver
 // decides nothing.
+//
+// To change
+// - when the driver wakes for a deadline (wake_early): gateway_driver.
+// - how it is noticed that the process did not run, and what is old then: heartbeat,
+//   GatewayDriver::notice_stall(); in the machine: Stalled, ClientSession::stall().
 #pragma once
 
 #include <boost/asio/io_context.hpp>

@@ -1,6 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The plan of one client request: which transactions it becomes, on which buses, and how their
 // responses become one. Pure data; the gateway carries it out.
+//
+// To change
+// - word order, splitting, widening, preferred functions: device_plan, drive/word_order.
+// - broadcasts, and whom they are not for: broadcast_plan, address 129: route_table.
+// - which writes are guarded: of communication registers, and by values:
+//   Device::is_reconfigured_by() in drive/device, may_write() in drive/profile; who refuses them:
+//   device_plan, broadcast_plan.
+// - a Modbus TCP server that is one device under every unit: Device::has_every_unit, set in
+//   config/sections/device_section; the address in place of the unit: plan; the unit on the wire:
+//   bus/tcp/tcp_discipline.
 #pragma once
 
 #include <boost/container/small_vector.hpp>

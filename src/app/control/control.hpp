@@ -3,6 +3,16 @@
 // trace, reload and clear-counters, /healthz, and the status page (docs/api.yaml). It has a thread
 // of its own. Questions are posted to the gateway's thread and answers are posted back as values,
 // and lines of the journal are posted too, so that a reader never holds up a bus.
+//
+// To change
+// - what may be asked over the control socket: control, docs/api.yaml; what it does: ControlTarget,
+//   in app/service; who asks, and how often it may: asker.
+// - what may be asked over TCP, and by whom: tcp_rules, control_doors; how long a request may be:
+//   request_reader; who gives a place up: http_places; its addresses: app/http_listeners;
+//   config/sections/http_section.
+// - what readers of the journal's events get: which lines: Log::give() in app/log, the only place;
+//   from there to the thread of the control socket: Control::tell(); what is kept, how it goes out,
+//   how many may read: event_streams, docs/api.yaml; mbgatectl: ctl/control/event_reader.
 #pragma once
 
 #include <sys/types.h>

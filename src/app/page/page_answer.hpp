@@ -1,6 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Serves the files of the status page over HTTP, with headers that tell a browser what the page may
 // do. The page uses the interface of docs/api.yaml as any other client does.
+//
+// To change
+// - what the status page shows: app/page: index.html has its parts, page.css its colours; what is
+//   read when: feed.js, who gets it: main.js; findings, buses, devices, clients: overview.js,
+//   why.js, plot.js; the timeline: history.js (what is kept), wire.js (a frame in instants and
+//   characters), timeline_draw.js (the picture), timeline.js (moving, zooming, the table); the
+//   trace: trace.js, decode.js; how a browser gets it: page_answer, embed.cmake; what holds for all
+//   of it: tests/integration/page_test.py, page_rules.py, for a module alone: page_modules_test.py;
+//   its pictures: ./dev screenshots.
 #pragma once
 
 #include <boost/beast/http/message.hpp>

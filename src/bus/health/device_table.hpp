@@ -1,5 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a bus knows of each address on it.
+//
+// To change
+// - what is said of a line's quality (bad CRCs, no frames, late answers): line_quality; which
+//   frames are another client's: LineDiagnosis::note_foreign().
+// - late answers, quarantine, offline devices: hold; offline devices: device_health; what is
+//   learned of how long and how late answers are: answer_pace; where an answer begins to be owed:
+//   bus/transmission/outcomes; probes: probes; frames that answer no pending request:
+//   line_diagnosis.
 #pragma once
 
 #include <algorithm>

@@ -2,6 +2,13 @@
 // What a bus does next. Stops go first, then what was begun (jobs of several transactions), then
 // writes, then reads. Within a class clients take turns; requests to devices that do not answer
 // wait while lost time is paid back (`held_until`). Nothing here changes anything.
+//
+// To change
+// - what is sent next, what waits for a booting drive, what is sent between two tries: scheduler,
+//   bus_queue.
+// - what is refused or answered before it waits, eviction: admission.
+// - the order among stops, also to drives that do not answer: scheduler_stops; their tries:
+//   bus/transmission/outcomes.
 #pragma once
 
 #include <optional>

@@ -2,6 +2,15 @@
 // The line discipline of a serial line, RTU or ASCII: one transaction at a time, silence before
 // each transmission, a time limit for each response. It knows nothing of queues and retries; the
 // bus above decides what is sent when. States as in Serial Line V1.02, figures 7 and 14.
+//
+// To change
+// - when a response belongs to its request: modbus/response, rtu_framer, ascii_framer.
+// - bytes before a response that are no part of it, pauses within one: rtu_search; pauses within an
+//   unsolicited frame: cut_frame.
+// - silence, settling, turnaround: line_silence; timeouts: serial_discipline.
+// - whether a frame is the answer, a late answer, or an echo: serial_discipline_answers.
+// - whether a line has an echo, and its removal: echo; one that the settings deny:
+//   bus/health/denied_echo.
 #pragma once
 
 #include <optional>

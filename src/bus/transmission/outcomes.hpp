@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // What follows when a transmission has ended: what its answer, or the lack of one, says of the
 // device, and whether the transmission is repeated, goes on with the next transaction, or is over.
+//
+// To change
+// - retries, what the end of a transmission means: outcomes; an adapter that hangs:
+//   bus/health/adapter_watch.
+// - reads that are sent once for several clients: bus/sharing/shared_read; who leads when one of
+//   them leaves: transmission, job_ends; the cache: bus/sharing/read_cache.
+// - when a line is opened again: bus/link_state, bus/bus; requests cut off by a close: outcomes.
 #pragma once
 
 #include "bus/health/line_diagnosis.hpp"

@@ -1,5 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which line is examined, what is known of it, and whom to ask.
+//
+// To change what `mbgatectl doctor` finds, and what it says
+// - the order of its steps, and how they are printed: examination_shell.
+// - the port: port_findings; the idle line: idle_line.
+// - whom it asks, how long it waits, when it ends: questions_shell.
+// - what came after a request, and between two: trial.
+// - echo, other clients, answers, two devices at one address: line_findings, answer_findings.
 #pragma once
 
 #include <chrono>

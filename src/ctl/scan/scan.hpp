@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Identifies the units of a bus, one after the other. Only functions 01 to 04 are used: a scan
 // never writes.
+//
+// To change
+// - what a scan of a serial port tries, and when it ends: sweep (pure), port_scan (with the port);
+//   what was heard: ctl/serial/heard; who holds the port: ctl/serial/serial_port.
+// - how a scan tells drives apart: candidate (what a profile predicts), identifier (what to ask
+//   next).
 #pragma once
 
 #include <functional>

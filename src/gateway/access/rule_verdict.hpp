@@ -1,5 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the access rules say of a client and of its requests. `mbgated --check --who` asks here too.
+//
+// To change
+// - access rules: what matches: routing/access_rules, registers routing/register_set; what a
+//   request touches, and who is let in: rule_verdict; rates: access_book; which denied requests the
+//   journal is told of, whatever denies them: report_limit; when they are asked:
+//   gateway/clients/intake; their text: config/sections/rule_section, rule_registers, warnings
+//   config/checks/rule_checks; --who: who, app/who/who_options, where the other keys stand:
+//   config/diagnostic.
 #pragma once
 
 #include "gateway/settings/settings_snapshot.hpp"

@@ -1,5 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The client side: what each connection brings, when it is read, and when it is closed.
+//
+// To change
+// - back-pressure, half-closed clients: client_session.
+// - the order of answers, and how many are outstanding: due_answers.
+// - who is let in, connection limits: client_admission; for a client address: address_limits; who
+//   makes room: sessions.
+// - idle and frame timeouts: clients, sessions, client_session.
+// - who did something, for the journal: who, and for what, as text: gateway/asked; how often for
+//   each client: gateway/access/report_limit; audit and cleared counters: requests; logins:
+//   client_admission; denials: gateway/access/report_limit.
 #pragma once
 
 #include "gateway/clients/client_admission.hpp"

@@ -14,6 +14,11 @@
 // put together they might say a table twice, or read on where a file ends within one. Other
 // settings are recorded as in the head: the files of their configuration, and "900 settings".
 // Bytes are hexadecimal; a client is its number, a bus or a listener its place in the settings.
+//
+// To change
+// - what a recording says of an input or an action: record; who writes it: io/recorder,
+//   app/recording; who plays it again: ctl/replay/replay, what is said of it:
+//   ctl/replay/replay_command.
 #pragma once
 
 #include <cstdint>

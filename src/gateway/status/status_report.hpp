@@ -1,6 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The state of the whole gateway at one instant, as plain values with names in them: it can be read
 // on another thread, and after a reload. Making it changes nothing.
+//
+// To change
+// - what the status shows: status_report; what it calls wrong, and when: of a device diagnosis, of
+//   a line line_findings; how long requests take: bus/health/answer_times, and what is unanswered
+//   since a device was heard: bus/health/silence; the state of a device, and since when:
+//   bus/health/device_health; what waits on a line: bus/bus_view; how busy it is:
+//   bus/health/line_load, other clients: bus/health/line_diagnosis; as JSON:
+//   app/control/status_json, docs/api.yaml; for people: ctl/control/status_text; in place, again
+//   and again: ctl/control/status_command, what fits into the window: ctl/control/page.
+// - the registers of unit 255: gateway/status_unit, and the table in docs/status.md; another
+// layout:
+//   kLayoutVersion.
 #pragma once
 
 #include <cstdint>

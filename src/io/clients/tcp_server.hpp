@@ -2,6 +2,14 @@
 // Accepts the connections of one listening socket. If there are no descriptors or no memory left
 // for clients, new connections are closed, so that their clients notice, and the server goes on.
 // Some descriptors are kept for other uses.
+//
+// To change
+// - how fast new connections are accepted: tcp_server.
+// - what becomes of a connection that the machine has closed: client_connections, tcp_connection.
+// - file descriptors and memory that are kept for the gateway itself, and whether enough is left
+//   for clients: resources; who asks: tcp_server, app/control/control_doors.
+// - what waited for the process, or while it was stopped: which writes are too old: tcp_server;
+//   what becomes of them: gateway/clients/client_session.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>

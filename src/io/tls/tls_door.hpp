@@ -1,6 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Clients of listeners with TLS, on the thread of the machine: how many shake hands at a time, and
 // what has become of them. The handshakes themselves are another thread's (TlsFront).
+//
+// To change
+// - a client with TLS: who is let shake hands: tls_door, on the machine's thread; the handshake:
+//   tls_client, on that of tls_front; the records, and how many without data: sys/tls_stream; the
+//   machine has one end of a pair of sockets, and GatewayDriver treats it as any client's.
+//   Versions, suites, what is accepted: tls_context; when a session is taken up again: there too.
+// - private keys: remote_key asks signer_client, which asks signer/door; what they say to each
+//   other: base/signing; which files are keys, and which of them are authorities': signer/key_file;
+//   what is signed: signer/padding.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

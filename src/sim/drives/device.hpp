@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A drive on a virtual bus: a model at an address, with the faults that a test sets. It takes
 // complete frames, as its UART would frame them, and says what it answers and how long that takes.
+//
+// To change
+// - a simulated drive: *_drive, maps/*_map.
 #pragma once
 
 #include <cstdint>

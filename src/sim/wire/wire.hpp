@@ -11,6 +11,10 @@
 // gateway's port is set. Transmissions that overlap on the line are damaged for every receiver, and
 // counted. A transmission of the gateway that begins before the line was silent for the configured
 // gap is counted too. ASCII frames have their own end and need no silence.
+//
+// To change
+// - a simulated line: modes, echo, collisions: wire, wire_frames; how a pty is set:
+//   sim/program/pty.
 #pragma once
 
 #include <cstdint>
