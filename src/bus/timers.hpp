@@ -28,27 +28,23 @@ class Timers {
   void set(Timer timer, std::optional<Wake> wake) {
     std::optional<Wake>& known = all_.at(static_cast<std::size_t>(timer));
     known = earlier(known, wake);
+    first_ = earlier(first_, wake);
   }
   void set(Timer timer, std::optional<Instant> at) {
     if (at) {
       set(timer, std::optional(Wake{*at}));
     }
   }
-  void clear() { all_.fill(std::nullopt); }
+  void clear() { *this = {}; }
   [[nodiscard]] std::optional<Wake> operator[](Timer timer) const {
     return all_.at(static_cast<std::size_t>(timer));
   }
   /// The first of them. Of two at the same instant the one that must not come early.
-  [[nodiscard]] std::optional<Wake> first() const {
-    std::optional<Wake> first;
-    for (const std::optional<Wake>& wake : all_) {
-      first = earlier(first, wake);
-    }
-    return first;
-  }
+  [[nodiscard]] const std::optional<Wake>& first() const { return first_; }
 
  private:
   std::array<std::optional<Wake>, kTimers> all_{};
+  std::optional<Wake> first_;
 };
 
 }  // namespace mbgate::bus

@@ -84,7 +84,7 @@ class MachineFaults(FaultCase):
             self.start_into(journal.fileno(), path, prepare=limit_to(resource.RLIMIT_FSIZE, 4096))
         reader = self.reader()
         self.fill_journal(200)
-        self.assertEqual(path.stat().st_size, 4096)
+        self.wait_until(lambda: path.stat().st_size == 4096)  # a thread writes the journal
         self.assert_serves(reader, self.client())
         self.assertEqual(self.gateway.end(), 0)
 

@@ -30,20 +30,18 @@ bool is_held_back(const Parts& parts, const Job& job, Instant now) {
          held_until(parts, job) > now;
 }
 
-Instant ready_at(const Parts& parts, const Job& job) {
+Wake ready_at(const Parts& parts, const Job& job) {
   if (job.job_class == JobClass::stop) {
-    return parts.line.ready_for_stop_at();
+    return {parts.line.ready_for_stop_at(), true};
   }
   const Transaction& transaction = job.transactions[next_transaction(parts, job)];
-  if (transaction.is_broadcast()) {
-    return parts.line.ready_at(parts.settings.timing.gap);
-  }
-  const DeviceEntry& entry = parts.devices[transaction.address];
-  return std::max(held_until(parts, job), parts.line.ready_at(entry.in_force().gap));
-}
-
-Wake wake_for(const Parts& parts, const Job& job, Instant at) {
-  return {at, held_until(parts, job) < at};
+  const Instant held = held_until(parts, job);
+  const bool is_broadcast = transaction.is_broadcast();
+  const drive::DeviceTiming& timing =
+      is_broadcast ? parts.settings.timing : parts.devices[transaction.address].in_force();
+  const Instant silent_at = parts.line.ready_at(timing.gap);
+  const Instant at = is_broadcast ? silent_at : std::max(held, silent_at);
+  return {at, held < at};
 }
 
 std::size_t next_transaction(const Parts& parts, const Job& job) {

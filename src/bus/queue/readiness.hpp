@@ -12,10 +12,9 @@ namespace mbgate::bus {
 /// holds a stop but that its device was given up.
 [[nodiscard]] Instant held_until(const Parts& parts, const Job& job);
 [[nodiscard]] bool is_held_back(const Parts& parts, const Job& job, Instant now);
-/// The first instant at which the job may be transmitted.
-[[nodiscard]] Instant ready_at(const Parts& parts, const Job& job);
-/// When the bus is to be woken for the job.
-[[nodiscard]] Wake wake_for(const Parts& parts, const Job& job, Instant at);
+/// The first instant at which the job may be transmitted. Does it end a silence, or what holds the
+/// job?
+[[nodiscard]] Wake ready_at(const Parts& parts, const Job& job);
 /// The index of the transaction that is transmitted when the turn of the job has come. Only then is
 /// it known whether a check (must_hold) of the gateway's own is needed. A check is never the last
 /// transaction of a job. A stop has no checks.

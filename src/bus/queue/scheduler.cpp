@@ -18,16 +18,10 @@ Next Scheduler::next(Instant now) const {
   if (!choice) {
     return part;
   }
-  Next next = when_due(*choice, now);
-  next.at = earlier(next.at, part.at);
-  return next;
-}
-
-Next Scheduler::when_due(const Choice& choice, Instant now) const {
-  if (choice.at > now) {
-    return {Next::Step::wait, wake_for(parts_, *choice.job, choice.at)};
+  if (choice->at() <= now) {
+    return {Next::Step::transmit, {}, choice->job};
   }
-  return {Next::Step::transmit, {}, choice.job};
+  return {Next::Step::wait, earlier(choice->when, part.at)};
 }
 
 // Of the jobs of several transactions, nothing comes between these. What waits for its next try has
@@ -40,9 +34,9 @@ Next Scheduler::next_part(Instant now) const {
     if (!parts_.transmissions.may_go_on(*running) || has_turn) {
       continue;
     }
-    const Instant ready = ready_at(parts_, job);
-    if (now < ready) {
-      next.at = earlier(next.at, wake_for(parts_, job, ready));
+    const Wake ready = ready_at(parts_, job);
+    if (now < ready.at) {
+      next.at = earlier(next.at, ready);
     } else if (parts_.transmissions.has_room()) {
       return {Next::Step::transmit, {}, &job};
     }
@@ -67,7 +61,7 @@ std::optional<Scheduler::Choice> Scheduler::next_turn(Passing passing, Instant n
   if (job == nullptr) {
     return choice;
   }
-  const Choice repeated{job, std::max(now, ready_at(parts_, *job))};
+  const Choice repeated = ready(*job, now);
   return choice && goes_before_repeated(*choice, repeated) ? *choice : repeated;
 }
 
@@ -76,8 +70,9 @@ bool Scheduler::goes_before_repeated(const Choice& choice, const Choice& repeate
   const bool is_of_first_class =
       is_write(choice.job->job_class) && repeated.job->is_read() && !reads_go_first();
   const bool is_paid =
-      parts_.payback.is_due(repeated.at) && !parts_.devices[choice.job->address()].is_silent();
-  return choice.at < repeated.at || (choice.at == repeated.at && (is_of_first_class || is_paid));
+      parts_.payback.is_due(repeated.at()) && !parts_.devices[choice.job->address()].is_silent();
+  return choice.at() < repeated.at() ||
+         (choice.at() == repeated.at() && (is_of_first_class || is_paid));
 }
 
 // The one that waits for its next try for longest.
@@ -111,11 +106,11 @@ std::optional<Scheduler::Choice> Scheduler::next_waiting(Passing passing, Instan
       claimed.set(address);
       return false;
     }
-    const Instant ready = std::max(now, ready_at(parts_, job));
-    if (!best || ready < best->at) {
-      best = Choice{&job, ready};
+    const Choice choice = ready(job, now);
+    if (!best || choice.at() < best->at()) {
+      best = choice;
     }
-    decided = held_until(parts_, job) <= soonest;
+    decided = choice.at() == soonest || choice.when.ends_silence;
     return decided;
   };
   const JobClass first = reads_go_first() ? JobClass::read : JobClass::write;

@@ -42,14 +42,18 @@ class Scheduler {
   /// A job, and when it goes.
   struct Choice {
     Job* job;
-    Instant at;
+    Wake when;
+    [[nodiscard]] Instant at() const { return when.at; }
   };
   /// What may be sent: whatever waits, or between two stops only what may_pass_stops().
   enum class Passing : bool { nothing, stops };
 
   // scheduler.cpp: among the jobs
   [[nodiscard]] Next next_part(Instant now) const;
-  [[nodiscard]] Next when_due(const Choice& choice, Instant now) const;
+  [[nodiscard]] Choice ready(Job& job, Instant now) const {
+    const Wake wake = ready_at(parts_, job);
+    return {&job, {std::max(now, wake.at), wake.ends_silence}};
+  }
   [[nodiscard]] bool has_place(Instant now) const;
   [[nodiscard]] std::optional<Choice> next_turn(Passing passing, Instant now) const;
   [[nodiscard]] std::optional<Choice> next_waiting(Passing passing, Instant now) const;

@@ -50,7 +50,8 @@ Transmission* Scheduler::choose_stop(Instant now) const {
 Next Scheduler::next_stop(Transmission& stop, Instant now) const {
   if (gives_way(stop, now) && has_turn_before(parts_, stop, now)) {
     if (const auto turn = turn_before(stop, now)) {
-      return when_due(*turn, now);
+      return turn->at() > now ? Next{Next::Step::wait, turn->when}
+                              : Next{Next::Step::transmit, {}, turn->job};
     }
   }
   if (stop.is_abandoned()) {
@@ -80,11 +81,11 @@ std::optional<Scheduler::Choice> Scheduler::turn_before(const Transmission& stop
            may_pass_stops(*transmission->leader, now);
   });
   if (part != running.end()) {
-    turn = Choice{(*part)->leader, std::max(now, ready_at(parts_, *(*part)->leader))};
+    turn = ready(*(*part)->leader, now);
   } else {
     turn = next_turn(Passing::stops, now);
   }
-  return turn && turn->at <= limit ? turn : std::nullopt;
+  return turn && turn->at() <= limit ? turn : std::nullopt;
 }
 
 // Reads may, for one may show that what came was no echo, and what is for devices that no waiting

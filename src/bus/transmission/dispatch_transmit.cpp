@@ -27,7 +27,7 @@ void Dispatch::check_allowed(const Transmission& transmission, Instant now) cons
   MBGATE_ASSERT(is_stop || !job.abandoned, "nothing is transmitted for a client that has gone");
   MBGATE_ASSERT(is_stop || !job.overtaken, "no write is transmitted behind its stop");
   MBGATE_ASSERT(is_stop || now < job.deadline, "nothing is transmitted after its deadline");
-  MBGATE_ASSERT(is_stop || ready_at(parts_, job) <= now,
+  MBGATE_ASSERT(is_stop || ready_at(parts_, job).at <= now,
                 "nothing is transmitted before its silence, nor to a device that owes an answer");
   MBGATE_ASSERT(is_stop || transmission.tries == 0 || job.transaction().request.is_read() ||
                     parts_.devices[job.transaction().address].in_force().retry_writes,
