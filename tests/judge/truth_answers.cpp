@@ -59,9 +59,14 @@ void Judge::check_exception(const Asked& asked) {
 // Perhaps it is what the drive said to another request.
 void Judge::note_exception(const Asked& asked, const char* kind) {
   const auto station = asked.intent.station;
-  const bool has_said = station && std::ranges::any_of(ledger_.last_sent[*station], [&](Id id) {
-                          return (ledger_.sent[id].exceptions >> asked.answer[1] & 1U) != 0;
-                        });
+  const auto is_said_to = [&](Id id) {
+    return id != kNone && ledger_.sent[id].station == station &&
+           (ledger_.sent[id].exceptions >> asked.answer[1] & 1U) != 0;
+  };
+  const bool has_said =
+      station && (std::ranges::any_of(ledger_.last_sent[*station], is_said_to) ||
+                  std::ranges::any_of(ledger_.lines[plan_.stations[*station].bus].came, is_said_to,
+                                      &Came::answers));
   has_said ? note_wrong(asked, "exception") : violation(kind, name(asked));
 }
 
