@@ -138,6 +138,16 @@ TEST(ReloadMemory, AStopThatCountsAsOlderGoesToTheDriveOfToday) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kStop2));
 }
 
+TEST(ReloadMemory, AReadCountsFromWhenItIsUnderstood) {
+  MachineRig rig(stop_plant());
+  rig.connect(1);
+  rig.receive(1, "00 01 00 00 00 06 01 03 00");
+  rig.advance(1ms);
+  rig.reload(moved(stop_plant()));
+  rig.receive(1, "00 00 01");
+  EXPECT_THAT(take_requests(rig), ElementsAre("02 03 00 00 00 01"));
+}
+
 // The process notices by up to a beat too much how long it stood still.
 TEST(ReloadMemory, NorIsAStopThatIsReadAfterAStallOlderThanItsConnection) {
   MachineRig rig(stop_plant());
