@@ -84,8 +84,10 @@ void Judge::check_waiting(Id id) {
   // A failsafe write may have cut the wait and was dropped then, because its client asked again.
   const auto drops_failsafe = [&](const Asked& asked) {
     const auto& at = asked.intent.station;
-    return asked.given > before.begin && at && plan_.stations[*at].bus == sent.bus &&
-           plan_.has_failsafe(plan_.stations[*at]);
+    const bool asks =
+        at ? plan_.stations[*at].bus == sent.bus && plan_.has_failsafe(plan_.stations[*at])
+           : asked.intent.kind == Kind::broadcast;
+    return asks && asked.given > before.begin;
   };
   if (sent.begin + kRounding < before.end + limit &&
       std::ranges::none_of(ledger_.asked, drops_failsafe)) {

@@ -13,16 +13,13 @@ namespace mbgate::gateway {
 
 class ClientInput {
  public:
-  /// When bytes arrived in the socket, or earlier, and when they were read.
-  struct Times {
-    bus::Instant arrival;
-    bus::Instant read;
-  };
-  void append(modbus::Bytes bytes, const Times& times) {
+  /// `arrival`: when they arrived in the socket, or earlier.
+  void append(modbus::Bytes bytes, bus::Instant arrival, bus::Instant now) {
     bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(consumed_));
     consumed_ = 0;
-    first_ = bytes_.empty() ? times : first_;
-    last_ = times;
+    first_ = bytes_.empty() ? arrival : first_;
+    last_ = arrival;
+    read_at_ = now;
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   }
   void consume(std::size_t bytes) {
@@ -32,13 +29,16 @@ class ClientInput {
   [[nodiscard]] bool empty() const { return bytes().empty(); }
   [[nodiscard]] modbus::Bytes bytes() const { return modbus::Bytes(bytes_).subspan(consumed_); }
   /// Of the first byte.
-  [[nodiscard]] const Times& times() const { return first_; }
+  [[nodiscard]] bus::Instant arrival() const { return first_; }
+  /// When the last of them were read.
+  [[nodiscard]] bus::Instant read_at() const { return read_at_; }
 
  private:
   std::vector<std::uint8_t> bytes_;
   std::size_t consumed_ = 0;  // of these
-  Times first_{};
-  Times last_{};
+  bus::Instant first_;
+  bus::Instant last_;
+  bus::Instant read_at_;
 };
 
 }  // namespace mbgate::gateway

@@ -32,7 +32,7 @@ void Clients::received(ClientId client, modbus::Bytes bytes, std::size_t unread,
   }
   const Instant arrival = session->arrival_of(unread, now);
   if (!bytes.empty()) {
-    session->input.append(bytes, {arrival, now});
+    session->input.append(bytes, arrival, now);
   }
   sessions_.wake(*session);
 }

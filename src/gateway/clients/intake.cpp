@@ -62,7 +62,7 @@ Request& Intake::read(ClientSession& session, const modbus::MbapFrame& frame, In
 }
 
 Request& Intake::understand(const ClientSession& session, const modbus::MbapAdu& adu) {
-  Request& request = request_.emplace(adu, session.input.times());
+  Request& request = request_.emplace(adu, session.input);
   if (settings_.settings().status_unit == adu.header.unit) {
     request.for_gateway = true;
     apply_rules(session, request);

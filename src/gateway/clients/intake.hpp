@@ -25,12 +25,12 @@ enum class Phase : std::uint8_t { running, only_stops, nothing };
 /// A request as it was read, and what becomes of it.
 struct Request {
   // Not an aggregate: all its room, much of which nothing needs, would be filled with zeros first.
-  Request(const modbus::MbapAdu& parsed, const ClientInput::Times& times)
-      : adu(parsed), arrival(times.arrival), read(times.read) {}
+  Request(const modbus::MbapAdu& parsed, const ClientInput& input)
+      : adu(parsed), arrival(input.arrival()), read_at(input.read_at()) {}
 
   modbus::MbapAdu adu;
-  Instant arrival;           ///< the deadline of a write counts from here
-  Instant read;              ///< and that of a read from here
+  Instant arrival;           ///< a write is as old as this
+  Instant read_at;           ///< and a read as this: it was complete then
   bool for_gateway = false;  ///< for the status unit
   std::optional<modbus::ExceptionCode> refused{};
   const routing::ResolvedRoute* route = nullptr;  ///< nothing: there is none

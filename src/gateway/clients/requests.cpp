@@ -98,7 +98,7 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
   }
   replace_unanswered(session, request.is_stop);
   place_answer(session, index);
-  exchange.arrival = exchange.plan->is_read() ? request.read : request.arrival;
+  exchange.arrival = exchange.plan->is_read() ? request.read_at : request.arrival;
   exchange.sequence = rules_.note_accepted(*exchange.plan, origin, now);
   start_or_hold(session, index, request.is_stop, now);
 }

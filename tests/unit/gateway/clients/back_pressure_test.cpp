@@ -177,6 +177,16 @@ TEST_F(PausedClient, AnEmptySocketAfterThePauseMakesTheNextWriteFresh) {
   EXPECT_THAT(rig_.take_transmitted(), SizeIs(1));
 }
 
+TEST(Gateway, AReadCountsFromItsLastByte) {
+  MachineRig rig;
+  rig.connect(1);
+  rig.receive(1, "00 01 00 00 00 06 01 03 00");
+  rig.advance(9s);  // longer than the deadline of a read
+  rig.receive(1, "00 00 01");
+  EXPECT_THAT(rig.take_transmitted(), SizeIs(1));
+  EXPECT_THAT(rig.take_sent(1), IsEmpty());
+}
+
 TEST(Gateway, RefusesWritesThatWaitedBeforeTheStart) {
   MachineRig rig;
   rig.connect(1, "192.0.2.1", 0, 24);  // two requests lay in the socket

@@ -56,13 +56,13 @@ TEST_F(PausedSession, WhatWaitedThroughAStartHasNeverArrived) {
 TEST(ClientInput, IsAsOldAsItsFirstByteAndWhatIsLeftAsOldAsTheLast) {
   ClientInput input;
   const std::vector<std::uint8_t> bytes(10);
-  input.append(bytes, {Instant{1s}, Instant{2s}});
-  input.append(bytes, {Instant{3s}, Instant{4s}});
-  EXPECT_EQ(input.times().arrival, Instant{1s});
+  input.append(bytes, Instant{1s}, Instant{2s});
+  input.append(bytes, Instant{3s}, Instant{4s});
+  EXPECT_EQ(input.arrival(), Instant{1s});
+  EXPECT_EQ(input.read_at(), Instant{4s});
   input.consume(15);
   EXPECT_EQ(input.bytes().size(), 5U);
-  EXPECT_EQ(input.times().arrival, Instant{3s});
-  EXPECT_EQ(input.times().read, Instant{4s});
+  EXPECT_EQ(input.arrival(), Instant{3s});
 }
 
 }  // namespace

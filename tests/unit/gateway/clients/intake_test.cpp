@@ -15,7 +15,7 @@ using gateway::Request;
 class IntakeAlone : public testing::Test {
  protected:
   void come(std::string_view bytes) {
-    session_.input.append(unhex(bytes), {Instant{1s}, Instant{1s}});
+    session_.input.append(unhex(bytes), Instant{1s}, Instant{1s});
   }
   bool has_nothing() {
     const Intake::Front front = intake_.front(session_);
