@@ -8,7 +8,7 @@
 
 namespace mbgate::io {
 
-/// Does it fail again until somebody allows it? EACCES, EPERM and EAFNOSUPPORT are no weather.
+/// Is it a denial (EACCES, EPERM, EAFNOSUPPORT), which lasts until somebody permits what was tried?
 bool is_denial(int error);
 /// A socket for this port could not be made or bound.
 std::string listen_advice(std::uint16_t port, int error);

@@ -2,8 +2,8 @@
 #include "gateway/access/who.hpp"
 
 #include <algorithm>
-#include <string_view>
 
+#include "base/text.hpp"
 #include "gateway/access/rule_verdict.hpp"
 #include "gateway/writes/write_rules.hpp"
 #include "routing/access.hpp"
@@ -16,11 +16,7 @@ using modbus::ExceptionCode;
 using KeyName = DenyingKey::Name;
 
 WhoAnswer denied(std::string by, ExceptionCode code, std::optional<DenyingKey> key = {}) {
-  constexpr std::string_view kDigits = "0123456789ABCDEF";
-  const auto number = static_cast<std::uint8_t>(code);
-  std::string text = ": exception ";
-  text += kDigits[number >> 4U];
-  text += kDigits[number & 0xFU];
+  const std::string text = ": exception " + hex_text(static_cast<std::uint8_t>(code), 2);
   return {false, "denied by " + std::move(by), text, key};
 }
 

@@ -4,8 +4,8 @@
 // To change
 // - back-pressure, half-closed clients: client_session.
 // - the order of answers, and how many are outstanding: due_answers.
-// - who is let in, connection limits: client_admission; for a client address: address_limits; who
-//   makes room: sessions.
+// - who is let in, who makes room, connection limits: client_admission; for a client address:
+//   address_limits.
 // - idle and frame timeouts: clients, sessions, client_session.
 // - who did something, for the journal: who, and for what, as text: gateway/asked; how often for
 //   each client: gateway/access/report_limit; audit and cleared counters: requests; logins:

@@ -149,9 +149,11 @@ std::optional<ExceptionCode> Intake::objection(const ClientSession& session, con
 // Only writes are as old as their socket; reads count from now. A stop goes all the same: what lies
 // in a socket may count as older than it is, and a stop that is refused for that is a stop lost.
 bool Intake::is_outdated(const ClientSession& session, const Request& request) const {
+  if (request.is_stop || modbus::is_read(request.adu.pdu.bytes())) {
+    return false;
+  }
   const auto changed = changed_at_.find({session.info().listener, request.adu.header.unit});
-  return !request.is_stop && !modbus::is_read(request.adu.pdu.bytes()) &&
-         changed != changed_at_.end() && request.arrival < changed->second &&
+  return changed != changed_at_.end() && request.arrival < changed->second &&
          (request.route != nullptr || request.for_gateway);
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/text.hpp"
 #include "gateway/status/findings.hpp"
 #include "gateway/status/quality_text.hpp"
 

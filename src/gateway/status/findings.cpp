@@ -39,10 +39,6 @@ bool was_heard_within(const DeviceStatus& device, Duration ago) {
 
 }  // namespace
 
-std::string counted(std::uint64_t count, const char* one) {
-  return std::to_string(count) + " " + one + (count == 1 ? "" : "s");
-}
-
 std::string passed_text(Duration duration) {
   using namespace std::chrono;
   if (duration < minutes(2)) {

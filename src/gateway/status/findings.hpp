@@ -11,8 +11,6 @@
 
 namespace mbgate::gateway {
 
-/// "1 request", "2 requests".
-std::string counted(std::uint64_t count, const char* one);
 /// Whole units that are over: "5 s", "12 min", "3 h", "9 days".
 std::string passed_text(Duration duration);
 /// "19200 baud 8E1"

@@ -2,6 +2,7 @@
 // What is wrong with a bus.
 #include <utility>
 
+#include "base/text.hpp"
 #include "gateway/status/findings.hpp"
 #include "gateway/status/quality_text.hpp"
 

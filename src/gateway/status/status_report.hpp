@@ -11,8 +11,7 @@
 //   app/control/status_json, docs/api.yaml; for people: ctl/control/status_text; in place, again
 //   and again: ctl/control/status_command, what fits into the window: ctl/control/page.
 // - the registers of unit 255: gateway/status_unit, and the table in docs/status.md; another
-// layout:
-//   kLayoutVersion.
+//   layout: kLayoutVersion.
 #pragma once
 
 #include <cstdint>

@@ -127,25 +127,25 @@ TEST(ReloadMemory, AStopThatComesAfterwardsIsTakenFromBehindAFullPipeline) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kRead1, kStop2));
 }
 
-// What lies in a socket may count as older than it is, and no stop may be lost for that.
-TEST(ReloadMemory, AStopThatCountsAsOlderGoesToTheDriveOfToday) {
+/// What is sent for a request of which one part came before the reload and the rest behind it.
+Lines sent_around_a_reload(const char* part, const char* rest) {
   MachineRig rig(stop_plant());
   rig.connect(1);
-  rig.receive(1, "00 01 00 00 00 06 01 06 00");
+  rig.receive(1, part);
   rig.advance(1ms);
   rig.reload(moved(stop_plant()));
-  rig.receive(1, "7C 00 E1");
-  EXPECT_THAT(take_requests(rig), ElementsAre(kStop2));
+  rig.receive(1, rest);
+  return take_requests(rig);
+}
+
+// What lies in a socket may count as older than it is, and no stop may be lost for that.
+TEST(ReloadMemory, AStopThatCountsAsOlderGoesToTheDriveOfToday) {
+  EXPECT_THAT(sent_around_a_reload("00 01 00 00 00 06 01 06 00", "7C 00 E1"), ElementsAre(kStop2));
 }
 
 TEST(ReloadMemory, AReadCountsFromWhenItIsUnderstood) {
-  MachineRig rig(stop_plant());
-  rig.connect(1);
-  rig.receive(1, "00 01 00 00 00 06 01 03 00");
-  rig.advance(1ms);
-  rig.reload(moved(stop_plant()));
-  rig.receive(1, "00 00 01");
-  EXPECT_THAT(take_requests(rig), ElementsAre("02 03 00 00 00 01"));
+  EXPECT_THAT(sent_around_a_reload("00 01 00 00 00 06 01 03 00", "00 00 01"),
+              ElementsAre("02 03 00 00 00 01"));
 }
 
 // The process notices by up to a beat too much how long it stood still.
