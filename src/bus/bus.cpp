@@ -114,13 +114,17 @@ void Bus::handle_deadline(Instant now) {
   dispatch_.pump_looked(now);
 }
 
-// What the line discipline has found.
+// What the line discipline has found, in the order in which it came.
 void Bus::collect(Instant now) {
-  while (const auto unsolicited = parts_.line.take_unsolicited()) {
-    diagnosis_.note_unsolicited(*unsolicited);
-  }
-  while (const auto end = parts_.line.take_end(now)) {
-    outcomes_.handle_end(*end, now);
+  for (bool goes_on = true; goes_on;) {
+    while (const auto unsolicited = parts_.line.take_unsolicited()) {
+      diagnosis_.note_unsolicited(*unsolicited);
+    }
+    const auto end = parts_.line.take_end(now);
+    goes_on = end.has_value();
+    if (end) {
+      outcomes_.handle_end(*end, now);
+    }
   }
   while (const auto fault = parts_.line.take_fault()) {
     if (fault == LineFault::framing_lost || fault == LineFault::driver_stalled) {

@@ -62,6 +62,7 @@ void LineDiagnosis::note_bytes(bool asked, Instant now) {
 }
 
 void LineDiagnosis::note_begins(Instant now) {
+  frame_heard_ = false;
   if (const LineSilence* silence = parts_.line.silence()) {
     silences_.note(std::max(now - silence->quiet_since(), Duration{0}));
   }

@@ -128,7 +128,10 @@ void SerialDiscipline::end(LineEnd::How how) {
   end_->heard_after = heard_ > 0 ? heard_at_ - silence_.emission_ends() : Duration{0};
   end_->noise = framed ? framer_.noise() : 0;
   end_->may_be_echo = may_be_echo_;
-  framer_.listen();
+  while (const auto before = framer_.take_unsolicited()) {
+    refused_.add(*before);
+  }
+  framer_.listen();  // what stands behind it is taken after it
 }
 
 void SerialDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
@@ -203,7 +206,9 @@ std::optional<LineFault> SerialDiscipline::take_fault() {
 
 std::optional<UnsolicitedFrame> SerialDiscipline::take_unsolicited() {
   auto unsolicited = refused_.take();
-  unsolicited = unsolicited ? unsolicited : framer_.take_unsolicited();
+  if (!unsolicited && !end_) {
+    unsolicited = framer_.take_unsolicited();
+  }
   if (unsolicited) {
     unsolicited->is_echo = echo_.is_of_read(unsolicited->address, unsolicited->pdu);
   }

@@ -194,6 +194,21 @@ TEST_F(BusLate, ABusThatTakesThePortOverListensForTheRestOfItsFirstTime) {
   EXPECT_THAT(frame_times_, ElementsAre(until));
 }
 
+// The driver slept while both came.
+TEST_F(BusLate, TwoAnswersInOnePieceToARequestSentOnceAreASecondAnswer) {
+  open(settings());
+  submit(job(kRead));
+  advance(kEmission + 50ms);
+  line(std::string(kAnswer) + " " + kAnswer);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  EXPECT_THAT(notices_, IsEmpty());
+  submit(job(kRead));
+  advance(99ms);
+  EXPECT_THAT(frames_, SizeIs(1));  // a second answer may come so late
+  advance(2ms);
+  EXPECT_THAT(frames_, SizeIs(2));
+}
+
 TEST_F(BusLate, OneLostAnswerOfAFastDeviceDelaysAWriteByLittle) {
   auto patient = settings();
   patient.timing.response_timeout = 1s;
