@@ -15,7 +15,7 @@ constexpr int kLongestMemory = 100;  // of these; nothing is left by then
 
 }  // namespace
 
-bool AnswerPace::note_answer(Duration took, Instant now) {
+bool AnswerPace::note_answer(Duration took, Duration or_took, Instant now) {
   if (now - while_began_ >= kRecently) {
     const bool is_recent = now - while_began_ < 2 * kRecently;
     longest_before_ = is_recent ? longest_answer_ : Duration{0};
@@ -25,9 +25,11 @@ bool AnswerPace::note_answer(Duration took, Instant now) {
     while_began_ = now;
   }
   const Duration shortest = std::min(shortest_answer_, shortest_before_);
-  longest_answer_ = std::max(longest_answer_, took);
+  const bool is_first = shortest == Duration::max();
+  const bool is_sudden = !is_first && took < shortest - shortest / kSuddenPart;
+  longest_answer_ = std::max(longest_answer_, is_first || is_sudden ? or_took : took);
   shortest_answer_ = std::min(shortest_answer_, took);
-  return shortest != Duration::max() && took < shortest - shortest / kSuddenPart;
+  return is_sudden;
 }
 
 void AnswerPace::note_late(Duration covering, Instant now) {

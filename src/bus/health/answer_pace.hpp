@@ -11,9 +11,11 @@ namespace mbgate::bus {
 
 class AnswerPace {
  public:
-  /// An answer came; `took`: from the end of the transmission. True: clearly sooner than any other
-  /// of the last minute.
-  bool note_answer(Duration took, Instant now);
+  /// An answer came; `took`: from the end of the transmission. If it may also be the answer to an
+  /// earlier transmission, `or_took` is the time from the end of that one, and counts unless the
+  /// device is known to answer as fast as `took`. True: it came clearly sooner than any other
+  /// answer of the last minute.
+  bool note_answer(Duration took, Duration or_took, Instant now);
   /// A late answer came, which a quarantine as long as this would have covered.
   void note_late(Duration covering, Instant now);
 

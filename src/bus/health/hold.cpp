@@ -56,7 +56,9 @@ void Hold::note_answered(const Sent& sent, modbus::Bytes response, Duration took
   const bool has_no_queue = earlier == unanswered_.end() &&
                             took * kFastPart < timing.response_timeout && held_until_ &&
                             !unanswered_.empty() && unanswered_.back().sent < *held_until_;
+  Duration since_earlier{0};
   if (earlier != unanswered_.end()) {
+    since_earlier = earlier->is_unreadable ? Duration{0} : sent.sent - earlier->sent;
     const Duration suspected = std::max(earlier->suspected, now - earlier->due);
     close(earlier, now, timing);
     suspected_ = std::max(suspected_, suspected);
@@ -65,7 +67,7 @@ void Hold::note_answered(const Sent& sent, modbus::Bytes response, Duration took
   }
   pending_.reset();
   suspected_ = Duration{0};
-  was_sudden_ = pace_.note_answer(took, now);
+  was_sudden_ = pace_.note_answer(took, took + since_earlier, now);
   heard_at_ = answered_at_ = now;
   answered_ = sent.asked;
   if (seconds_ > 0 && ++clean_ >= kCleanAnswers) {
@@ -118,8 +120,8 @@ void Hold::note_asked(const modbus::Request* asked, Instant now, const Timing& t
 }
 
 // What is not remembered any more: the tail is over, and the device had its time.
-void Hold::settle(Instant now, const Timing& timing) {
-  const bool is_held = held_until_ && now < *held_until_;
+void Hold::settle(Instant now, const Timing& timing, bool was_held) {
+  const bool is_held = was_held || (held_until_ && now < *held_until_);
   for (Unanswered& it : unanswered_) {
     if (!it.is_over && now >= end_of_tail(it, timing)) {
       it.is_over = true;
@@ -164,7 +166,7 @@ void Hold::note_written(const modbus::Request& write, bool is_stop) {
 
 std::optional<Hold::Late> Hold::note_late(modbus::Bytes response, Instant came,
                                           const Timing& timing) {
-  settle(came, timing);
+  settle(came, timing, true);  // it may have come a while ago, when the device was held
   const auto found = find(response);
   if (found == unanswered_.end()) {
     return std::nullopt;
@@ -192,10 +194,12 @@ std::optional<Hold::Late> Hold::note_late(modbus::Bytes response, Instant came,
   late.grew = covering > tail(came, timing);
   pace_.note_late(covering, came);
   if (late.lateness > Duration{0}) {
-    pace_.note_answer(late.lateness + timing.response_timeout, came);
+    const Duration took = late.lateness + timing.response_timeout;
+    pace_.note_answer(took, took, came);
   }
   heard_at_ = came;
   close(found, came, timing);
+  settle(came, timing);
   hold_for_rest(oldest, came, timing);
   return late;
 }

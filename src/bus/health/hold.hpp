@@ -119,7 +119,7 @@ class Hold {
   void add(const Sent& sent, bool is_unreadable);
   [[nodiscard]] std::vector<Unanswered>::iterator find(modbus::Bytes response);
   void close(std::vector<Unanswered>::iterator answered, Instant now, const Timing& timing);
-  void settle(Instant now, const Timing& timing);
+  void settle(Instant now, const Timing& timing, bool was_held = false);
   void note_tail(const Unanswered& ended, bool was_answered, Instant now, const Timing& timing);
   [[nodiscard]] Instant oldest_unanswered(Instant otherwise) const;
   void hold_for_rest(Instant oldest_sent, Instant now, const Timing& timing);

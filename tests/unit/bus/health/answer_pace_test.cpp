@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 class Pace : public testing::Test {
  protected:
   static Instant after(Duration time) { return Instant{1h} + time; }
-  void answer(Duration took, Duration time) { pace_.note_answer(took, after(time)); }
+  void answer(Duration took, Duration time) { pace_.note_answer(took, took, after(time)); }
 
   AnswerPace pace_;
 };
@@ -32,6 +32,17 @@ TEST_F(Pace, ForgetsTheLongestAnswerWhereNoneCameForTwoMinutes) {
   answer(30ms, 0s);
   answer(5ms, 120s);
   EXPECT_EQ(pace_.longest_answer(), 5ms);
+}
+
+// Nobody can tell whether the first try was answered, slowly, or the second one, quickly.
+TEST_F(Pace, TakesAnAnswerForThatOfTheFirstTryUnlessSuchQuickOnesAreUsual) {
+  pace_.note_answer(2ms, 110ms, after(0s));
+  EXPECT_EQ(pace_.longest_answer(), 110ms);
+  answer(8ms, 180s);
+  pace_.note_answer(8ms, 110ms, after(181s));
+  EXPECT_EQ(pace_.longest_answer(), 8ms);
+  pace_.note_answer(6ms, 110ms, after(182s));
+  EXPECT_EQ(pace_.longest_answer(), 110ms);
 }
 
 TEST_F(Pace, LearnsHowLateAnswersAreAndForgetsAnEighthInEachMinute) {

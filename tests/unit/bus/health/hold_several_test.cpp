@@ -24,5 +24,31 @@ TEST_F(Health, OfManyUnansweredOnesTheOldestIsForgotten) {
   }
 }
 
+// The driver may have slept while it came.
+TEST_F(Health, TheFirstFrameAfterAHoldIsStillTheLateAnswer) {
+  unanswered(read_, 100ms);
+  unanswered(write_, 200ms);
+  EXPECT_TRUE(late(kAnswer, 210ms));
+  EXPECT_FALSE(may_be_asked(629ms));
+  EXPECT_TRUE(may_be_asked(630ms));  // twice the 210 ms that the read took
+  EXPECT_TRUE(late(kEcho, 640ms));
+  EXPECT_FALSE(late(kEcho, 641ms));
+}
+
+// What was answered may have been the first try, after more than its timeout.
+TEST_F(Health, ADeviceOfWhichOnlyTheSecondTryWasEverAnsweredIsHeldForAllFunctions) {
+  unanswered(read_, 1s);
+  answered(read_, kAnswer, 1110ms, 8ms);
+  EXPECT_FALSE(may_be_asked(write_, 1253ms));
+  EXPECT_TRUE(may_be_asked(write_, 1254ms));
+}
+
+// Nor does a damaged answer show that it is slow.
+TEST_F(Health, OneWhoseFirstAnswerWasDamagedIsFast) {
+  hold_.note_unreadable({read_, at(900ms), at(1s)});
+  answered(read_, kAnswer, 1050ms, 8ms);
+  EXPECT_TRUE(may_be_asked(write_, 1050ms));
+}
+
 }  // namespace
 }  // namespace mbgate::test

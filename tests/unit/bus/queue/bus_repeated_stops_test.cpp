@@ -65,6 +65,9 @@ TEST_F(BusRepeatedStops, WithoutAPauseLeaveHalfOfTheTransactionsToOthers) {
   for (const std::uint8_t address : {std::uint8_t{1}, std::uint8_t{2}}) {
     open_axes(settings());
     submit(job(kStop));
+    advance(8ms);
+    line(kStopFrame);
+    submit(job(kStop));
     submit(job_of(1, kRead, address));
     const auto served = this->served(2s, [&] {
       const bool is_stop = frames_.back() == kStopFrame;
