@@ -187,11 +187,12 @@ void StateReader::read(const bus::DeviceTable& devices, const Sight& sight, Hash
 void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& hash) {
   // A setting: device. Counted or told only: counters, early_reported, second_reported,
   // misfit_reported, pause_reported, owed_until, asked_at, silence, times, second_at,
-  // second_read_at, setting, unreached, failed_stop. A job that the queue shows too: probe.
+  // second_read_at, setting, unreached, failed_stop. Nobody else asks here: others_at. A job that
+  // the queue shows too: probe.
   const auto& [device, counters, health, hold, cache, free_at, probe, setting_known, early_reported,
                stop_unanswered, stops_given_up, second_reported, misfit_reported, pause_reported,
-               owed_until, asked_at, silence, times, second_at, second_read_at, setting, unreached,
-               failed_stop] = entry;
+               owed_until, others_at, asked_at, silence, times, second_at, second_read_at, setting,
+               unreached, failed_stop] = entry;
   read(health, entry.in_force(), hash);
   read(hold, entry.in_force(), hash);
   read(cache, device->cache, hash);
@@ -222,8 +223,7 @@ void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing,
   // What was learned is forgotten by the minute, which no small world lives: while_began,
   // learned_at, longest_before, shortest_before.
   const auto& [unanswered, pending, suspected_now, held_until, pace, heard_at, tails, silent,
-               rests_until, rested_at, answered, answered_at, was_sudden, seconds, clean,
-               longest_second] = hold;
+               rests_until, rested_at, answered, was_sudden, seconds, clean, longest_second] = hold;
   const auto& [longest_answer, longest_before, shortest_answer, shortest_before, while_began,
                learned, learned_at] = pace;
   require(longest_before == Duration{0}, "a short life");
@@ -255,11 +255,13 @@ void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing,
   hash.since(silent[1], kFarPast);
   hash.until(rests_until);
   hash.since(rested_at, kFarPast);
-  hash.since(answered_at, kFarPast);
-  hash.add(answered.has_value());
-  if (answered) {
-    hash.add(answered->pdu().bytes());
+  for (const auto& [asked, at] : answered) {
+    if (hash.now() <= at + timing.response_timeout || &asked == &answered.back().asked) {
+      hash.since(at, kFarPast);
+      hash.add(asked.pdu().bytes());
+    }
   }
+  hash.add(answered.size() > 0);
   hash.add(was_sudden);
   hash.add(seconds);
   hash.add(clean);

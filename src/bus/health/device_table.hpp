@@ -65,7 +65,8 @@ struct DeviceEntry {
   bool misfit_reported = false;
   bool pause_reported = false;
   Instant owed_until =
-      Instant::min();  ///< the end of the last response timeout with something owed
+      Instant::min();                  ///< the end of the last response timeout with something owed
+  Instant others_at = Instant::min();  ///< when another client's request to it was last heard
   /// Shown only, they decide nothing: when a request was last sent to it, what it has left
   /// unanswered since it was heard, and how long answers take.
   Instant asked_at = Instant::min();

@@ -68,8 +68,11 @@ void Hold::note_answered(const Sent& sent, modbus::Bytes response, Duration took
   pending_.reset();
   suspected_ = Duration{0};
   was_sudden_ = pace_.note_answer(took, took + since_earlier, now);
-  heard_at_ = answered_at_ = now;
-  answered_ = sent.asked;
+  heard_at_ = now;
+  if (answered_.size() == kMostAnswered) {
+    answered_.erase(answered_.begin());
+  }
+  answered_.push_back({sent.asked, now});
   if (seconds_ > 0 && ++clean_ >= kCleanAnswers) {
     seconds_ = 0;
     longest_second_ = Duration{0};
@@ -205,24 +208,31 @@ std::optional<Hold::Late> Hold::note_late(modbus::Bytes response, Instant came,
 }
 
 bool Hold::note_second(modbus::Bytes response, Instant came, const Timing& timing) {
-  if (!answered_ || came > answered_at_ + timing.response_timeout || !fits(*answered_, response)) {
+  const auto first = std::find_if(answered_.rbegin(), answered_.rend(), [&](const Answered& it) {
+    return came <= it.at + timing.response_timeout && fits(it.asked, response);
+  });
+  if (first == answered_.rend()) {
     return false;
   }
   ++seconds_;
   clean_ = 0;
-  longest_second_ = std::max(longest_second_, came - answered_at_);
+  longest_second_ = std::max(longest_second_, came - first->at);
   return true;
 }
 
 // A second answer to the last request may come until then; or its own, if what came suddenly was
 // the second one to an earlier request.
 Instant Hold::end_of_seconds(const Timing& timing) const {
+  if (answered_.empty()) {
+    return Instant::min();
+  }
+  const Instant answered_at = answered_.back().at;
   if (seconds_ == 0) {
-    return was_sudden_ ? answered_at_ + pace_.longest_answer() + kAdapterKeeps : Instant::min();
+    return was_sudden_ ? answered_at + pace_.longest_answer() + kAdapterKeeps : Instant::min();
   }
   const Duration learned = longest_second_ + longest_second_ / kMarginPart + kAdapterKeeps;
-  return answered_at_ + (seconds_ < kTimedSeconds ? timing.response_timeout
-                                                  : std::min(learned, timing.response_timeout));
+  return answered_at + (seconds_ < kTimedSeconds ? timing.response_timeout
+                                                 : std::min(learned, timing.response_timeout));
 }
 
 // Only a stop is sent while a second answer is still to come.
@@ -230,8 +240,8 @@ OwedAnswers Hold::owed(const modbus::Request& next, Instant first_sent, Instant 
                        const Timing& timing) const {
   OwedAnswers owed;
   const bool has_second = seconds_ > 0 && clean_ > 0 && now < end_of_seconds(timing);
-  if (has_second && answered_->function() == next.function()) {
-    owed.push_back({*answered_, false});
+  if (has_second && answered_.back().asked.function() == next.function()) {
+    owed.push_back({answered_.back().asked, false});
   }
   for (const Unanswered& it : unanswered_) {
     if (it.asked.function() == next.function()) {

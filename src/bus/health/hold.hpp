@@ -17,6 +17,7 @@
 #pragma once
 
 #include <array>
+#include <boost/container/static_vector.hpp>
 #include <optional>
 #include <vector>
 
@@ -29,6 +30,9 @@ namespace mbgate::bus {
 
 /// The most transmissions of a device that are remembered as unanswered.
 inline constexpr std::size_t kMostUnanswered = 64;
+
+/// The last answered requests of a device that are remembered, because they may be answered again.
+inline constexpr std::size_t kMostAnswered = 4;
 
 /// Added to every time for which a device is held back: an adapter may keep received bytes for this
 /// long.
@@ -75,8 +79,8 @@ class Hold {
   /// An unexpected frame of the device has come: the answer to the oldest unanswered transmission
   /// that it fits. Nothing if there is none.
   std::optional<Late> note_late(modbus::Bytes response, Instant came, const Timing& timing);
-  /// Such a frame, which is no late answer, is a second answer to the last request that was
-  /// answered. False: it is not.
+  /// Such a frame, which is no late answer, is a second answer to a request that was answered less
+  /// than a response timeout ago. False: it is not.
   bool note_second(modbus::Bytes response, Instant came, const Timing& timing);
   /// How many second answers have come since the last two hundred answers without one.
   [[nodiscard]] unsigned seconds() const { return seconds_; }
@@ -142,8 +146,12 @@ class Hold {
   Instant rests_until_ = Instant::min();  // it is left alone for once, to hear how late it is
   Instant rested_at_ = Instant::min();
 
-  std::optional<modbus::Request> answered_;  // the last one
-  Instant answered_at_ = Instant::min();
+  struct Answered {
+    modbus::Request asked;
+    Instant at;
+  };
+  boost::container::static_vector<Answered, kMostAnswered>
+      answered_;             // the last ones, oldest first
   bool was_sudden_ = false;  // that answer came faster than any before it
   unsigned seconds_ = 0;     // second answers
   unsigned clean_ = 0;       // answers without one since

@@ -217,7 +217,8 @@ bool LineDiagnosis::note_second_answer(const UnsolicitedFrame& unsolicited) {
   constexpr unsigned kSure = 3;
   const Instant now = unsolicited.came;
   DeviceEntry& entry = parts_.devices[unsolicited.address];
-  if (foreign_reported_ || unsolicited.after_noise || is_own(parts_, unsolicited) ||
+  const bool is_others = now <= entry.others_at + entry.in_force().response_timeout;
+  if (is_others || unsolicited.after_noise || is_own(parts_, unsolicited) ||
       !entry.hold.note_second(unsolicited.pdu.bytes(), now, entry.in_force())) {
     return false;
   }
@@ -272,6 +273,9 @@ void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
   const Duration longest = entry.in_force().quarantine_max;
   const bool is_asked = asked_of(parts_, address) != nullptr;
   const bool is_request_of_now = is_own(parts_, unsolicited);
+  if (unsolicited.is_request && !is_request_of_now) {
+    entry.others_at = now;
+  }
   if (is_request_of_now && unsolicited.is_request && parts_.settings.line.echo == false &&
       denied_echo_.note_heard(now)) {
     parts_.actions.push(LineNotice{LineFault::echo_denied});

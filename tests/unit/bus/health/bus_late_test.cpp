@@ -209,6 +209,32 @@ TEST_F(BusLate, TwoAnswersInOnePieceToARequestSentOnceAreASecondAnswer) {
   EXPECT_THAT(frames_, SizeIs(2));
 }
 
+// Another client asks another device, and is heard. Later it asks this one.
+TEST_F(BusLate, SecondAnswersAreNoticedBesideAnotherClient) {
+  const auto is_answered_twice = [this] {
+    submit(job(kRead));
+    advance(10ms);
+    line(kAnswer);
+    advance(10ms);
+    line(kAnswer);
+    advance(10ms);
+    return bus_->devices()[1].hold.seconds();
+  };
+  open(settings());
+  advance(11s);
+  line(kOtherDevice);
+  advance(10ms);
+  line("02 03 02 12 34 F1 33");
+  advance(10ms);
+  EXPECT_EQ(is_answered_twice(), 1U);
+  EXPECT_THAT(notices_, ElementsAre(Kind::foreign, Kind::second_answer));
+  line(kOtherFrame);
+  advance(10ms);
+  line(kAnswer);
+  advance(200ms);
+  EXPECT_EQ(is_answered_twice(), 2U);
+}
+
 TEST_F(BusLate, OneLostAnswerOfAFastDeviceDelaysAWriteByLittle) {
   auto patient = settings();
   patient.timing.response_timeout = 1s;

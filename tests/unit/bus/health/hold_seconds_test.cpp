@@ -28,6 +28,16 @@ TEST_F(Health, ADeviceThatAnswersTwiceIsLeftAloneAfterEachAnswer) {
   EXPECT_TRUE(may_be_asked(now - 95ms + 31250us));
 }
 
+// It was asked something else before it answered twice.
+TEST_F(Health, ASecondAnswerMayBelongToARequestBeforeTheLastOne) {
+  answered(read_, kAnswer, 100ms, 5ms);
+  answered(write_, kEcho, 107ms, 3ms);
+  answered(write_, kEcho, 112ms, 3ms);
+  EXPECT_TRUE(hold_.note_second(kAnswer, at(40ms), timing_));
+  EXPECT_FALSE(may_be_asked(114ms));  // a response timeout after the last answer
+  EXPECT_TRUE(may_be_asked(115ms));
+}
+
 TEST_F(Health, SecondAnswersAreForgotten) {
   answered(read_, kAnswer, 100ms, 5ms);
   EXPECT_TRUE(hold_.note_second(kAnswer, at(14ms), timing_));
