@@ -2,8 +2,8 @@
 // Numbers in texts for people.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
+#include <fmt/core.h>
 #include <string>
 #include <string_view>
 
@@ -11,16 +11,17 @@ namespace mbgate {
 
 /// "1 stop", "2 stops".
 inline std::string counted(std::uint64_t count, std::string_view one) {
-  return std::to_string(count).append(" ").append(one).append(count == 1 ? "" : "s");
+  return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
+}
+
+/// "1 bus", "2 buses".
+inline std::string counted(std::uint64_t count, std::string_view one, std::string_view many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
 /// So many hexadecimal digits or more, in capitals.
 inline std::string hex_text(std::uint64_t number, std::size_t digits) {
-  std::string text;
-  for (; number != 0 || text.size() < digits; number >>= 4U) {
-    text.insert(text.begin(), "0123456789ABCDEF"[number & 0xFU]);
-  }
-  return text;
+  return fmt::format("{:0{}X}", number, digits);
 }
 
 }  // namespace mbgate
