@@ -45,9 +45,10 @@ void check_open(Draft& draft, TomlTable& table, const ListenerSettings& listener
   const auto address = ClientAddress::parse(listener.address);
   if (address && !is_loopback(*address) && !table.has("allow") &&
       stands_nowhere(draft.document.root(), "rule")) {
-    table.error("address", "other machines reach " + in_quotes(listener.address) +
-                               ": expected 'allow' with those who may connect, such as "
-                               "allow = [\"192.168.10.0/24\"], or a [[rule]]");
+    table.error("address",
+                "other machines reach {}: expected 'allow' with those who may connect, such as "
+                "allow = [\"192.168.10.0/24\"], or a [[rule]]",
+                in_quotes(listener.address));
   }
 }
 
@@ -102,9 +103,8 @@ void check_port(Draft& draft, const ListenerSettings& listener) {
   if (same != all.end()) {
     const auto first = static_cast<std::size_t>(same - all.begin());
     draft.listeners.back().error(
-        "port", std::to_string(listener.port) + " of " + listener.address +
-                    " is taken already at " +
-                    place(draft.document, draft.listeners[first].value_position("port")));
+        "port", "{} of {} is taken already at {}", listener.port, listener.address,
+        place(draft.document, draft.listeners[first].value_position("port")));
   }
 }
 
@@ -157,9 +157,10 @@ void check_reached(const Draft& draft, std::vector<TomlTable>& tables,
     return;
   }
   tables.back().error("address",
-                      in_quotes(text) + " lies in the block at " +
-                          place(draft.document, tables[first].value_position("address")) +
-                          ", and the first that fits counts: the narrower one must come first");
+                      "{} lies in the block at {}, and the first that fits counts: the narrower "
+                      "one must come first",
+                      in_quotes(text),
+                      place(draft.document, tables[first].value_position("address")));
 }
 
 }  // namespace

@@ -54,9 +54,8 @@ std::vector<std::size_t> find_each(TomlTable& table, std::string_view key,
     if (name != names.end()) {
       found.push_back(static_cast<std::size_t>(name - names.begin()));
     } else {
-      table.document().error(position, std::string(key) + ": no " + std::string(kSection<Named>) +
-                                           " is named " + in_quotes(text) +
-                                           did_you_mean(text, names));
+      table.document().error(position, "{}: no {} is named {}{}", key, kSection<Named>,
+                             in_quotes(text), did_you_mean(text, names));
     }
   }
   return found;
@@ -79,9 +78,8 @@ std::optional<std::bitset<Size>> read_numbers(TomlTable& table, std::string_view
       range = parse_range(*text, limits);
     }
     if (!range || range->min < limits.min || range->max > limits.max) {
-      table.report_expected(key, element,
-                            std::string(what) + " from " + std::to_string(limits.min) + " to " +
-                                std::to_string(limits.max) + " or a range such as \"1-4\"");
+      table.report_expected(key, element, "{} from {} to {} or a range such as \"1-4\"", what,
+                            limits.min, limits.max);
       continue;
     }
     for (auto number = range->min; number <= range->max; ++number) {

@@ -207,8 +207,8 @@ std::optional<std::size_t> find_named(TomlTable& table, std::string_view key,
   for (const auto& candidate : all) {
     names.push_back(candidate.name);
   }
-  table.error(key, "no " + std::string(kSection<Named>) + " is named " + in_quotes(*name) +
-                       did_you_mean(*name, names));
+  table.error(key, "no {} is named {}{}", kSection<Named>, in_quotes(*name),
+              did_you_mean(*name, names));
   return std::nullopt;
 }
 
