@@ -9,6 +9,7 @@
 #include <boost/asio/experimental/awaitable_operators.hpp>
 #include <cerrno>
 #include <chrono>
+#include <fmt/core.h>
 #include <system_error>
 #include <tuple>
 #include <utility>
@@ -94,7 +95,7 @@ void TcpLine::start_connecting(HostAddresses addresses) {
 boost::asio::awaitable<void> TcpLine::connect(HostAddresses addresses, unsigned generation) {
   std::string failures;
   for (const auto& address : addresses) {
-    const std::string end = address.address().to_string() + ' ' + std::to_string(address.port());
+    const std::string end = fmt::format("{} {}", address.address().to_string(), address.port());
     if (const auto other = context_.ends->other(this, end)) {
       failures += (failures.empty() ? "" : "; ") + end + " is what bus " + *other + " has open";
       continue;
@@ -121,8 +122,8 @@ boost::asio::awaitable<void> TcpLine::connect(HostAddresses addresses, unsigned 
     }
     close_socket();
     const bool by_name = addresses.size() > 1 || !numeric_endpoint(remote_);
-    failures += (failures.empty() ? "" : "; ") +
-                (by_name ? address.address().to_string() + ": " : "") + failure;
+    failures += fmt::format("{}{}{}", failures.empty() ? "" : "; ",
+                            by_name ? address.address().to_string() + ": " : "", failure);
   }
   fail_to_open(failures);
 }
@@ -138,7 +139,7 @@ void TcpLine::finish_open() {
 
 void TcpLine::fail_to_open(const std::string& why) {
   state_ = State::closed;
-  context_.events.line_lost(bus_, "cannot connect to " + name_ + ": " + why);
+  context_.events.line_lost(bus_, fmt::format("cannot connect to {}: {}", name_, why));
 }
 
 std::optional<std::string> TcpLine::transmit(modbus::Bytes frame) {
@@ -154,7 +155,7 @@ std::optional<std::string> TcpLine::transmit(modbus::Bytes frame) {
     return std::nullopt;  // the reader, whose turn is next, tells it
   }
   if (!count) {
-    std::string why = name_ + ": cannot send: " + text_of(errno);
+    std::string why = fmt::format("{}: cannot send: {}", name_, text_of(errno));
     close();
     return why;
   }
@@ -266,12 +267,13 @@ void TcpLine::note_end(const error_code& error) {
   }
   close();
   context_.events.line_closed(
-      bus_, name_ + ": " + (eof ? "the far end has closed the connection" : error.message()));
+      bus_, fmt::format("{}: {}", name_,
+                        eof ? "the far end has closed the connection" : error.message()));
 }
 
 void TcpLine::lose(const std::string& why) {
   close();
-  context_.events.line_lost(bus_, name_ + ": " + why);
+  context_.events.line_lost(bus_, fmt::format("{}: {}", name_, why));
 }
 
 }  // namespace mbgate::io

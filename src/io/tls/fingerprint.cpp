@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <ctime>
+#include <fmt/chrono.h>
 #include <memory>
 
 #include "base/assert.hpp"
@@ -32,9 +33,7 @@ std::string made_at(const X509_CRL& list) {
   if (ASN1_TIME_to_tm(X509_CRL_get0_lastUpdate(&list), &parts) != 1) {
     return "";
   }
-  std::array<char, 32> text{};
-  const auto size = std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S UTC, ", &parts);
-  return {text.data(), size};
+  return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC, ", parts);
 }
 
 std::string list_text(X509_CRL& list) {
@@ -43,7 +42,7 @@ std::string list_text(X509_CRL& list) {
   X509_CRL_digest(&list, EVP_sha256(), digest.data(), &size);
   const STACK_OF(X509_REVOKED)* const revoked = X509_CRL_get_REVOKED(&list);
   const int count = revoked == nullptr ? 0 : sk_X509_REVOKED_num(revoked);
-  return made_at(list) + std::to_string(count) + " revoked, " + hex_pairs(digest, size);
+  return fmt::format("{}{} revoked, {}", made_at(list), count, hex_pairs(digest, size));
 }
 
 }  // namespace
