@@ -3,6 +3,7 @@
 
 #include <boost/beast/http.hpp>
 #include <boost/json/serialize.hpp>
+#include <fmt/core.h>
 
 #include "app/text.hpp"
 
@@ -59,9 +60,8 @@ bool is_command_failed(const HttpRequest& request, http::status status) {
 
 std::string denied_text(const HttpRequest& request, http::status status) {
   constexpr std::size_t kLongest = 64;
-  return "POST " + valid_utf8(path_of(request).substr(0, kLongest)) + " was answered " +
-         std::to_string(static_cast<unsigned>(status)) + " " +
-         std::string(http::obsolete_reason(status));
+  return fmt::format("POST {} was answered {} {}", valid_utf8(path_of(request).substr(0, kLongest)),
+                     static_cast<unsigned>(status), http::obsolete_reason(status));
 }
 
 }  // namespace mbgate::app

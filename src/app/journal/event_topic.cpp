@@ -2,6 +2,7 @@
 #include "app/journal/event_topic.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 #include <string>
 #include <type_traits>
 #include <variant>
@@ -228,12 +229,12 @@ std::string kind_of(const gateway::Event& event) {
       [&](const auto& value) {
         std::string kind = std::to_string(event.index());
         if constexpr (requires { value.bus, value.address; }) {
-          return kind + " bus " + std::to_string(static_cast<std::uint32_t>(value.bus)) +
-                 " address " + std::to_string(value.address);
+          return fmt::format("{} bus {} address {}", kind, static_cast<std::uint32_t>(value.bus),
+                             value.address);
         } else if constexpr (requires { value.bus; }) {
-          return kind + " bus " + std::to_string(static_cast<std::uint32_t>(value.bus));
+          return fmt::format("{} bus {}", kind, static_cast<std::uint32_t>(value.bus));
         } else {
-          return kind + " listener " + std::to_string(static_cast<std::uint32_t>(value.listener));
+          return fmt::format("{} listener {}", kind, static_cast<std::uint32_t>(value.listener));
         }
       },
       event);
