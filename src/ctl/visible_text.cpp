@@ -2,9 +2,9 @@
 #include "ctl/visible_text.hpp"
 
 #include <array>
+#include <fmt/core.h>
 #include <utility>
 
-#include "base/text.hpp"
 #include "base/utf8.hpp"
 
 namespace mbgate::ctl {
@@ -31,7 +31,7 @@ std::string visible_text(std::string_view text, std::string_view kept) {
     if (size != 0 && (is_kept || !controls(code))) {
       visible += text.substr(0, size);
     } else {
-      visible += "\\u" + hex_text(code, 4);
+      visible += fmt::format("\\u{:04X}", std::uint32_t{code});
     }
     text.remove_prefix(size == 0 ? 1 : size);
   }

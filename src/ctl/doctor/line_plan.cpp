@@ -2,6 +2,7 @@
 #include "ctl/doctor/line_plan.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 
 #include "modbus/make_request.hpp"
 
@@ -40,7 +41,8 @@ Result<const BusSettings*, std::string> find_bus(const std::string& name,
   }
   const auto found = std::ranges::find(buses, name, &BusSettings::name);
   if (found == buses.end()) {
-    return "there is no bus " + name + " in the configuration; there is " + names_of(buses);
+    return fmt::format("there is no bus {} in the configuration; there is {}", name,
+                       names_of(buses));
   }
   return *found;
 }
@@ -48,11 +50,12 @@ Result<const BusSettings*, std::string> find_bus(const std::string& name,
 /// Why the bus cannot be examined.
 std::optional<std::string> find_obstacle(const BusSettings& bus) {
   if (bus.line.remote) {
-    return "bus " + bus.name + " is a TCP connection to " + bus.line.remote->host +
-           ", no serial port";
+    return fmt::format("bus {} is a TCP connection to {}, no serial port", bus.name,
+                       bus.line.remote->host);
   }
   if (bus.line.framing != bus::Framing::rtu) {
-    return "bus " + bus.name + " has ASCII frames: only lines with RTU frames can be examined";
+    return fmt::format("bus {} has ASCII frames: only lines with RTU frames can be examined",
+                       bus.name);
   }
   return std::nullopt;
 }
@@ -86,8 +89,8 @@ std::vector<PlannedUnit> units_of(const DoctorCommand& command, const BusSetting
 }  // namespace
 
 std::string unit_text(const PlannedUnit& unit) {
-  const auto text = "unit " + std::to_string(unit.address);
-  return unit.name.empty() ? text : text + " (" + unit.name + ")";
+  const auto text = fmt::format("unit {}", unit.address);
+  return unit.name.empty() ? text : fmt::format("{} ({})", text, unit.name);
 }
 
 LinePlan plan_of_port(const DoctorCommand& command) {
@@ -96,10 +99,10 @@ LinePlan plan_of_port(const DoctorCommand& command) {
     plan.units.push_back({.address = address, .timeout = command.port->timeout});
   }
   if (plan.units.empty()) {
-    plan.nobody =
-        "it is not known who is there: name a unit with --address, or find one with "
-        "mbgatectl scan --device " +
-        plan.device;
+    plan.nobody = fmt::format(
+        "it is not known who is there: name a unit with --address, or find one with mbgatectl scan "
+        "--device {}",
+        plan.device);
   }
   return plan;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <boost/json.hpp>
+#include <fmt/core.h>
 
 #include "config/profiles/profile_library.hpp"
 #include "config/toml/duration_text.hpp"
@@ -29,7 +30,7 @@ std::string sureness_text(const FoundUnit& unit) {
   if (found.nearest == nullptr) {
     return "-";
   }
-  std::string text = std::to_string(found.fitting) + " of " + std::to_string(found.judged);
+  std::string text = fmt::format("{} of {}", found.fitting, found.judged);
   if (found.likely.empty()) {
     text += " for " + found.nearest->profile.name;
   }
@@ -46,7 +47,7 @@ std::string order_text(const Identification& found) {
 std::string texts_of(const Identification& found) {
   std::string text;
   for (const auto& [name, value] : found.texts) {
-    text.append(text.empty() ? "" : ", ").append(name).append(" \"").append(value).append("\"");
+    text += fmt::format("{}{} \"{}\"", text.empty() ? "" : ", ", name, value);
   }
   return text.empty() ? "-" : text;
 }
@@ -82,9 +83,9 @@ std::string scan_table(const ScanResult& result) {
 }
 
 std::string line_head(const FoundLine& line) {
-  return line.device + ", " + std::to_string(static_cast<std::uint32_t>(line.mode.baud)) +
-         " baud, parity " + std::string(parity_word(line.mode.format.parity)) + ", stop bits " +
-         std::to_string(line.mode.format.stop_bits) + ":\n";
+  return fmt::format("{}, {} baud, parity {}, stop bits {}:\n", line.device,
+                     static_cast<std::uint32_t>(line.mode.baud),
+                     parity_word(line.mode.format.parity), line.mode.format.stop_bits);
 }
 
 std::string likely_text(const Identification& identification) {
