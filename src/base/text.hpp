@@ -19,9 +19,4 @@ inline std::string counted(std::uint64_t count, std::string_view one, std::strin
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
-/// So many hexadecimal digits or more, in capitals.
-inline std::string hex_text(std::uint64_t number, std::size_t digits) {
-  return fmt::format("{:0{}X}", number, digits);
-}
-
 }  // namespace mbgate
