@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <boost/asio/post.hpp>
-#include <cerrno>
 #include <fmt/core.h>
 #include <future>
 #include <memory>
@@ -13,22 +12,13 @@
 #include <utility>
 
 #include "io/clock.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::app {
 namespace {
 
 /// Lines held for a standard error that does not take them: some 100 KiB.
 constexpr std::size_t kMostWaiting = 1000;
-
-void write_all(int descriptor, std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t count = ::write(descriptor, text.data(), text.size());
-    if (count < 0 && errno != EINTR) {
-      return;  // nobody is left to tell
-    }
-    text.remove_prefix(count < 0 ? 0 : static_cast<std::size_t>(count));
-  }
-}
 
 }  // namespace
 
@@ -118,7 +108,7 @@ Log::Entry Log::entry_of(Level level, const std::string& text, std::string line,
 
 void Log::deliver(const Entry& entry) const {
   if (!for_journal_ || !send_(entry.fields)) {
-    write_all(descriptor_, entry.line);
+    sys::write_all(descriptor_, entry.line);
   }
 }
 

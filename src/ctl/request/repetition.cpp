@@ -8,6 +8,8 @@
 #include <ctime>
 #include <fmt/chrono.h>
 
+#include "sys/unique_fd.hpp"
+
 namespace mbgate::ctl {
 namespace {
 
@@ -42,10 +44,8 @@ Interruption::~Interruption() {
 bool Interruption::wait_until(std::chrono::steady_clock::time_point when) const {
   using namespace std::chrono;
   while (true) {
-    const nanoseconds left = std::max<nanoseconds>(when - steady_clock::now(), nanoseconds(0));
-    const auto whole = floor<seconds>(left);
-    const timespec time{static_cast<std::time_t>(whole.count()),
-                        static_cast<decltype(timespec::tv_nsec)>((left - whole).count())};
+    const auto time =
+        sys::timespec_of(std::max<nanoseconds>(when - steady_clock::now(), nanoseconds(0)));
     if (sigtimedwait(&signals_, nullptr, &time) > 0) {
       return true;
     }

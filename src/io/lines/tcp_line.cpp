@@ -35,16 +35,6 @@ bool has_far_end_closed(int error) { return error == ECONNRESET || error == EPIP
 
 std::string text_of(int error) { return std::generic_category().message(error); }
 
-/// Bytes sent; nothing if the connection is broken.
-std::optional<std::size_t> try_send(tcp::socket& socket, modbus::Bytes bytes) {
-  const ssize_t count =
-      ::send(socket.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-  if (count >= 0) {
-    return static_cast<std::size_t>(count);
-  }
-  return sys::would_block(errno) ? std::optional<std::size_t>(0) : std::nullopt;
-}
-
 /// What ended first: an operation on the socket, or the timer that limits it.
 using Ended = std::variant<std::tuple<error_code>, std::tuple<error_code>>;
 constexpr std::size_t kLimitReached = 1;
@@ -150,7 +140,7 @@ std::optional<std::string> TcpLine::transmit(modbus::Bytes frame) {
     close();
     return name_ + ": the far end has not taken the frame before";
   }
-  const auto count = try_send(socket_, frame);
+  const auto count = sys::send_now(socket_.native_handle(), frame);
   if (!count && has_far_end_closed(errno)) {
     return std::nullopt;  // the reader, whose turn is next, tells it
   }
@@ -222,7 +212,7 @@ boost::asio::awaitable<void> TcpLine::write_rest(unsigned generation) {
       lose("the far end does not take a frame in time");
       co_return;
     }
-    const auto count = try_send(socket_, rest_);
+    const auto count = sys::send_now(socket_.native_handle(), rest_);
     if (!count) {
       lose("cannot send: " + text_of(errno));
       co_return;
