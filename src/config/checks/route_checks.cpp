@@ -25,7 +25,7 @@ void check_order_known(Draft& draft, std::size_t route, std::size_t at) {
   draft.routes[route].error("word_order",
                             "nobody says what " + in_quotes(device.name) +
                                 R"( speaks: add word_order = "big" or "little" to it at )" +
-                                place(draft.document, draft.devices[at].value_position("name")));
+                                draft.devices[at].place_of("name"));
 }
 
 /// A forgotten profile would leave every value in the drive's own order without a word.

@@ -35,9 +35,9 @@ void check_overlaps(Draft& draft) {
           routes[later].listener != routes[earlier].listener) {
         continue;
       }
-      draft.routes[later].error(
-          "unit", "{} has a route already at {}", std::max(units->first, taken->first),
-          place(draft.document, draft.routes[earlier].value_position("unit")));
+      draft.routes[later].error("unit", "{} has a route already at {}",
+                                std::max(units->first, taken->first),
+                                draft.routes[earlier].place_of("unit"));
       break;
     }
   }

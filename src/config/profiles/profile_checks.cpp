@@ -26,7 +26,7 @@ bool overlaps_another(ProfileDraft& draft, std::size_t at) {
   const auto range = file.values[at].value.range();
   const auto clash = [&](std::string_view what, TomlTable& other) {
     draft.value_tables[at].error("register", "{} overlap the {} at {}", numbers(file, range), what,
-                                 place(draft.document, other.value_position("register")));
+                                 other.place_of("register"));
     return true;
   };
   for (std::size_t i = 0; i < at; ++i) {
@@ -101,9 +101,9 @@ void check_groups(ProfileDraft& draft) {
   for (std::size_t later = 0; later < groups.size(); ++later) {
     for (std::size_t earlier = 0; earlier < later; ++earlier) {
       if (overlap(groups[earlier].fact, groups[later].fact)) {
-        draft.group_tables[later].error(
-            "register", "{} overlap the group at {}", numbers(draft.file, groups[later].fact),
-            place(draft.document, draft.group_tables[earlier].value_position("register")));
+        draft.group_tables[later].error("register", "{} overlap the group at {}",
+                                        numbers(draft.file, groups[later].fact),
+                                        draft.group_tables[earlier].place_of("register"));
       }
     }
   }

@@ -2,7 +2,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include "config/sections/sections.hpp"
 #include "config/toml/duration_text.hpp"
@@ -30,7 +30,7 @@ void check_stop_deadline(TomlTable& table, const bus::BusSettings& settings) {
     table.error("stop_deadline",
                 "{} is shorter than {}: stop_wait and 1.1 times the longest frame at {} baud",
                 to_text(*settings.stop_deadline), to_text(least),
-                static_cast<std::uint32_t>(settings.line.baud));
+                fmt::underlying(settings.line.baud));
   }
 }
 
@@ -42,8 +42,7 @@ void check_frame_gap(TomlTable& table, const bus::BusSettings& settings) {
   if (settings.frame_gap && *settings.frame_gap < t3_5) {
     table.warning("frame_gap",
                   "{} is shorter than t3.5, {} at {} baud: only for devices that allow it",
-                  to_text(*settings.frame_gap), to_text(t3_5),
-                  static_cast<std::uint32_t>(settings.line.baud));
+                  to_text(*settings.frame_gap), to_text(t3_5), fmt::underlying(settings.line.baud));
   }
 }
 
@@ -96,8 +95,7 @@ void check_line(Draft& draft, const bus::BusSettings& settings) {
   const std::string known = line_text(same->line);
   draft.buses.back().error(key(draft.buses.back()), "{}{} is taken already at {} by bus {}", line,
                            line == known ? "" : fmt::format(", the same line as {},", known),
-                           place(draft.document, other.value_position(key(other))),
-                           in_quotes(same->name));
+                           other.place_of(key(other)), in_quotes(same->name));
 }
 
 /// Of a Modbus TCP server that is reached over TLS.
@@ -136,8 +134,7 @@ void read_buses(Draft& draft) {
   for (auto table : draft.document.root().tables("bus")) {
     bus::BusSettings settings;
     draft.buses.push_back(table);
-    settings.name = read_name(table);
-    check_name(draft.buses, draft.settings.buses, settings.name);
+    settings.name = read_name(draft.buses, draft.settings.buses);
     const Lines lines = read_line(table, settings);
     read_peer(draft, table, settings.line, lines);
     check_line(draft, settings);

@@ -37,9 +37,8 @@ void check_address_free(Draft& draft, const drive::Device& device) {
   });
   if (same != all.end()) {
     const auto first = static_cast<std::size_t>(same - all.begin());
-    draft.devices.back().error(
-        "address", "{} on this bus is taken already at {}", device.address,
-        place(draft.document, draft.devices[first].value_position("address")));
+    draft.devices.back().error("address", "{} on this bus is taken already at {}", device.address,
+                               draft.devices[first].place_of("address"));
   }
 }
 
@@ -109,8 +108,7 @@ void read_devices(Draft& draft) {
   for (auto table : draft.document.root().tables("device")) {
     drive::Device device;
     draft.devices.push_back(table);
-    device.name = read_name(table);
-    check_name(draft.devices, draft.settings.devices, device.name);
+    device.name = read_name(draft.devices, draft.settings.devices);
     read_bus(draft, table, device);
     read_address(draft, table, device);
     read_drive(draft, table, device);

@@ -172,8 +172,7 @@ void read_tls(Draft& draft) {
   for (auto table : draft.document.root().tables("tls")) {
     TlsSettings tls;
     draft.tls.push_back(table);
-    tls.name = read_name(table);
-    check_name(draft.tls, draft.settings.tls, tls.name);
+    tls.name = read_name(draft.tls, draft.settings.tls);
     for (const auto* key : {"certificate", "key", "authorities"}) {
       table.require(key);
     }

@@ -102,9 +102,8 @@ void check_port(Draft& draft, const ListenerSettings& listener) {
   const auto same = std::ranges::find_if(all, [&](const auto& it) { return clash(it, listener); });
   if (same != all.end()) {
     const auto first = static_cast<std::size_t>(same - all.begin());
-    draft.listeners.back().error(
-        "port", "{} of {} is taken already at {}", listener.port, listener.address,
-        place(draft.document, draft.listeners[first].value_position("port")));
+    draft.listeners.back().error("port", "{} of {} is taken already at {}", listener.port,
+                                 listener.address, draft.listeners[first].place_of("port"));
   }
 }
 
@@ -126,8 +125,7 @@ void read_listeners(Draft& draft) {
   for (auto table : draft.document.root().tables("listen")) {
     ListenerSettings listener;
     draft.listeners.push_back(table);
-    listener.name = read_name(table);
-    check_name(draft.listeners, draft.settings.listeners, listener.name);
+    listener.name = read_name(draft.listeners, draft.settings.listeners);
     read_keys(table, listener_keys(), listener);
     read_address(table, listener);
     read_handshakes(draft, table, listener);
@@ -159,8 +157,7 @@ void check_reached(const Draft& draft, std::vector<TomlTable>& tables,
   tables.back().error("address",
                       "{} lies in the block at {}, and the first that fits counts: the narrower "
                       "one must come first",
-                      in_quotes(text),
-                      place(draft.document, tables[first].value_position("address")));
+                      in_quotes(text), tables[first].place_of("address"));
 }
 
 }  // namespace

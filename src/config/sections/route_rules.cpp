@@ -152,8 +152,7 @@ void read_windows(TomlTable& table, Route& route, bool broadcast) {
     if (same != route.windows.end()) {
       const auto& first = places[static_cast<std::size_t>(same - route.windows.begin())];
       entry.error("from", "{} to {} overlap the window at {}", window->from,
-                  window->from + window->count - 1,
-                  place(entry.document(), first.value_position("from")));
+                  window->from + window->count - 1, first.place_of("from"));
     }
     route.windows.push_back(*window);
     places.push_back(entry);

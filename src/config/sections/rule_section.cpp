@@ -145,8 +145,7 @@ void read_groups(Draft& draft) {
   for (auto table : draft.document.root().tables("group")) {
     ClientGroup group;
     draft.group_tables.push_back(table);
-    group.name = read_name(table);
-    check_name(draft.group_tables, draft.groups, group.name);
+    group.name = read_name(draft.group_tables, draft.groups);
     check_not_empty(table, {"addresses", "roles"});
     group.addresses = read_networks(table, "addresses");
     group.roles = read_roles(table);
@@ -168,8 +167,7 @@ void read_rules(Draft& draft) {
     AccessRule rule;
     draft.rules.push_back(table);
     if (table.has("name")) {
-      rule.name = read_name(table);
-      check_name(draft.rules, draft.settings.rules, rule.name);
+      rule.name = read_name(draft.rules, draft.settings.rules);
     }
     rule.place = line_of(draft, table.position());
     read_who(draft, table, rule);

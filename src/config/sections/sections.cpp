@@ -157,8 +157,7 @@ routing::ClientList read_clients(Draft& draft, TomlTable& table, std::string_vie
 void report_twice(std::vector<TomlTable>& tables, std::size_t first, std::string_view key,
                   std::string_view what) {
   auto& again = tables.back();
-  again.error(key, "{} is taken already at {}", in_quotes(what),
-              place(again.document(), tables[first].value_position(key)));
+  again.error(key, "{} is taken already at {}", in_quotes(what), tables[first].place_of(key));
 }
 
 }  // namespace mbgate::config

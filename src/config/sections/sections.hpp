@@ -214,12 +214,13 @@ std::optional<std::size_t> find_named(TomlTable& table, std::string_view key,
 
 /// Reports a name that an earlier entry has; the newest entry is not yet among `all`.
 template <typename Named>
-void check_name(std::vector<TomlTable>& tables, const std::vector<Named>& all,
-                std::string_view name) {
+std::string read_name(std::vector<TomlTable>& tables, const std::vector<Named>& all) {
+  std::string name = read_name(tables.back());
   const auto entry = std::ranges::find(all, name, &Named::name);
   if (!name.empty() && entry != all.end()) {
     report_twice(tables, static_cast<std::size_t>(entry - all.begin()), "name", name);
   }
+  return name;
 }
 
 /// The index in the settings that an identifier stands for.

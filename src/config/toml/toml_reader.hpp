@@ -83,6 +83,8 @@ class TomlTable {
   const TomlValue* value(std::string_view key);
   /// Where the value of a key is; the table's position if the key is absent.
   [[nodiscard]] Position value_position(std::string_view key) const;
+  /// "conf/x.toml:12:8": the same, to name it in a message at another place.
+  [[nodiscard]] std::string place_of(std::string_view key) const;
 
   std::optional<std::string> string(std::string_view key);
   std::optional<bool> boolean(std::string_view key);

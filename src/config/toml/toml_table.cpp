@@ -96,6 +96,10 @@ Position TomlTable::value_position(std::string_view key) const {
   return entry == nullptr ? position() : entry->value.position;
 }
 
+std::string TomlTable::place_of(std::string_view key) const {
+  return place(*document_, value_position(key));
+}
+
 void TomlTable::error(std::string_view key, std::string_view message) {
   document_->error(value_position(key), "{}: {}", key, message);
 }
