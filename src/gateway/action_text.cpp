@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The text forms of actions.
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include "gateway/action.hpp"
 #include "modbus/describe.hpp"
@@ -14,7 +14,7 @@ struct ActionTexts : Handlers... {
 };
 
 std::string client_number(ClientId client) {
-  return fmt::format("client {}", static_cast<std::uint64_t>(client));
+  return fmt::format("client {}", fmt::underlying(client));
 }
 
 std::string named_bus(const Settings& settings, BusId bus) {

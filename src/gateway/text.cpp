@@ -160,12 +160,8 @@ struct Names {
 
   [[nodiscard]] std::string bus(BusId id) const { return "bus " + settings.bus(id).name; }
   [[nodiscard]] std::string device(BusId id, std::uint8_t address) const {
-    for (const drive::Device& it : settings.devices) {
-      if (it.bus == id && it.address == address) {
-        return "device " + it.name;
-      }
-    }
-    return fmt::format("{}: address {}", bus(id), address);
+    const std::string name = settings.device_name(id, address);
+    return name.empty() ? fmt::format("{}: address {}", bus(id), address) : "device " + name;
   }
   template <typename ClientEvent>
   std::string client(const ClientEvent& event) const {

@@ -2,7 +2,7 @@
 #include "gateway/status/findings.hpp"
 
 #include <algorithm>
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include "gateway/status/quality_text.hpp"
 
@@ -53,7 +53,7 @@ std::string passed_text(Duration duration) {
 }
 
 std::string mode_text(const BusStatus& bus) {
-  return fmt::format("{} baud {}", static_cast<std::uint32_t>(bus.baud), format_text(bus.format));
+  return fmt::format("{} baud {}", fmt::underlying(bus.baud), format_text(bus.format));
 }
 
 bool is_behind_a_server(const BusStatus& bus) {
