@@ -7,7 +7,6 @@
 #include <boost/json/value_to.hpp>
 #include <cmath>
 #include <fmt/core.h>
-#include <span>
 #include <tuple>
 #include <vector>
 
@@ -58,39 +57,6 @@ std::string age(double seconds) {
                           : fmt::format("{} days", whole / kDay);
 }
 
-// Columns as wide as their widest entry; what is a number stands at the right. `details`: what
-// stands below each row, perhaps nothing.
-std::string table(const Row& head, std::span<const Row> rows, std::size_t words,
-                  std::span<const std::string> details = {}) {
-  std::vector<std::size_t> widths;
-  for (std::size_t column = 0; column < head.size(); ++column) {
-    std::size_t width = head[column].size();
-    for (const Row& row : rows) {
-      width = std::max(width, row[column].size());
-    }
-    widths.push_back(width);
-  }
-  std::string all;
-  const auto add = [&](const Row& row) {
-    std::string line;
-    for (std::size_t column = 0; column < row.size(); ++column) {
-      const std::string blanks(widths[column] - row[column].size(), ' ');
-      line += (column == 0 ? "" : "  ");
-      line += column < words ? row[column] + blanks : blanks + row[column];
-    }
-    line.erase(line.find_last_not_of(' ') + 1);
-    all += line + "\n";
-  };
-  add(head);
-  for (std::size_t at = 0; at < rows.size(); ++at) {
-    add(rows[at]);
-    if (at < details.size()) {
-      all += details[at];
-    }
-  }
-  return all;
-}
-
 std::string diagnoses_text(const boost::json::array& diagnoses) {
   if (diagnoses.empty()) {
     return "No faults found.\n";
@@ -109,7 +75,8 @@ std::string buses_text(const boost::json::array& buses) {
   if (buses.empty()) {
     return "no [[bus]] is configured\n";
   }
-  std::vector<Row> rows;
+  std::vector<Row> rows{{"BUS", "LINE", "MODE", "STATE", "LOAD", "WAITING", "ANSWERS", "TIMEOUTS",
+                         "BAD CRC", "LATE"}};
   for (const value& one : buses) {
     const object& bus = one.as_object();
     const object& counters = bus.at("counters").as_object();
@@ -121,9 +88,7 @@ std::string buses_text(const boost::json::array& buses) {
          whole(bus, "waiting"), whole(counters, "responses"), whole(counters, "timeouts"),
          whole(counters, "bad_crcs"), whole(counters, "late_responses")});
   }
-  return table(
-      {"BUS", "LINE", "MODE", "STATE", "LOAD", "WAITING", "ANSWERS", "TIMEOUTS", "BAD CRC", "LATE"},
-      rows, 4);
+  return columns(rows, {.indent = "", .words = 4});
 }
 
 // Those that do not answer first, then those whose answers are bad, then the slow ones.
@@ -169,8 +134,9 @@ std::string state_text(const object& device) {
 
 std::string devices_text(boost::json::array devices) {
   std::ranges::stable_sort(devices, is_worse);
-  std::vector<Row> rows;
-  std::vector<std::string> details;
+  std::vector<Row> rows{{"DEVICE", "BUS", "ADDRESS", "STATE", "ANSWERS", "TIMEOUTS", "BAD CRC",
+                         "LATE", "QUEUE", "WIRE", "DRIVE", "P90", "P99"}};
+  std::vector<std::string> details(1);
   for (const value& one : devices) {
     const object& device = one.as_object();
     const object& counters = device.at("counters").as_object();
@@ -186,19 +152,17 @@ std::string devices_text(boost::json::array devices) {
                     milliseconds(own.at("p99"))});
     details.push_back(exceptions_text(device.at("exceptions").as_object()));
   }
-  return table({"DEVICE", "BUS", "ADDRESS", "STATE", "ANSWERS", "TIMEOUTS", "BAD CRC", "LATE",
-                "QUEUE", "WIRE", "DRIVE", "P90", "P99"},
-               rows, 4, details);
+  return columns(rows, {.indent = "", .words = 4, .below = details});
 }
 
 std::string clients_text(const boost::json::array& clients) {
-  std::vector<Row> rows;
+  std::vector<Row> rows{{"CLIENT", "LISTENER", "REQUESTS", "OUTSTANDING", "REFUSED"}};
   for (const value& one : clients) {
     const object& client = one.as_object();
     rows.push_back({text(client, "address"), text(client, "listener"), whole(client, "requests"),
                     whole(client, "outstanding"), whole(client, "refused")});
   }
-  return table({"CLIENT", "LISTENER", "REQUESTS", "OUTSTANDING", "REFUSED"}, rows, 2);
+  return columns(rows, {.indent = "", .words = 2});
 }
 
 }  // namespace

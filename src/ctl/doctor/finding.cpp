@@ -19,11 +19,8 @@ const char* verdict_word(Judgement verdict) {
 }  // namespace
 
 std::string finding_line(const Finding& finding) {
-  constexpr std::size_t kWordsWidth = 9;
-  std::string line = verdict_word(finding.verdict);
-  line.resize(kWordsWidth, ' ');
-  line += fmt::format("{}: {}", finding.step, finding.seen);
-  return finding.advice.empty() ? line : fmt::format("{}; {}", line, finding.advice);
+  return fmt::format("{:<9}{}: {}{}{}", verdict_word(finding.verdict), finding.step, finding.seen,
+                     finding.advice.empty() ? "" : "; ", finding.advice);
 }
 
 std::string findings_json(const std::string& device, const std::vector<Finding>& findings,

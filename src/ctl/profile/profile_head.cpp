@@ -6,6 +6,7 @@
 
 #include "config/toml/duration_text.hpp"
 #include "ctl/profile/profile_text.hpp"
+#include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -10,6 +10,7 @@
 #include "config/toml/duration_text.hpp"
 #include "config/toml/match_entry.hpp"
 #include "ctl/request/carry_out.hpp"
+#include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -20,12 +21,6 @@ using config::to_text;
 using drive::WriteMatch;
 using modbus::Table;
 using Rows = std::vector<std::vector<std::string>>;
-
-/// Characters, not bytes.
-std::size_t width_of(const std::string& text) {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      text, [](char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U; }));
-}
 
 std::string name_text(const Source& source, std::string_view besides = {}) {
   std::string text = source.name;
@@ -153,25 +148,6 @@ std::string_view access_text(config::ValueAccess access) {
     case config::ValueAccess::read_write: return "rw";
   }
   return {};
-}
-
-std::string columns(const std::vector<std::vector<std::string>>& rows) {
-  std::vector<std::size_t> widths;
-  for (const auto& row : rows) {
-    widths.resize(std::max(widths.size(), row.size()));
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      widths[i] = std::max(widths[i], width_of(row[i]));
-    }
-  }
-  std::string text;
-  for (const auto& row : rows) {
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      text.append("  ").append(row[i]).append(widths[i] - width_of(row[i]), ' ');
-    }
-    text.erase(text.find_last_not_of(' ') + 1);
-    text += '\n';
-  }
-  return text;
 }
 
 std::string profile_text(const config::ProfileFile& file) {

@@ -12,10 +12,6 @@
 
 namespace mbgate::ctl {
 
-/// Rows of cells in columns, each as wide as its widest cell, two spaces before each. The last
-/// column is not padded.
-std::string columns(const std::vector<std::vector<std::string>>& rows);
-
 // Parts of the text.
 
 /// "0x00C8"

@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <boost/json.hpp>
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include "config/profiles/profile_library.hpp"
 #include "config/toml/duration_text.hpp"
 #include "config/toml/match_entry.hpp"
 #include "ctl/profile/profile_text.hpp"
+#include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -84,8 +85,8 @@ std::string scan_table(const ScanResult& result) {
 
 std::string line_head(const FoundLine& line) {
   return fmt::format("{}, {} baud, parity {}, stop bits {}:\n", line.device,
-                     static_cast<std::uint32_t>(line.mode.baud),
-                     parity_word(line.mode.format.parity), line.mode.format.stop_bits);
+                     fmt::underlying(line.mode.baud), parity_word(line.mode.format.parity),
+                     line.mode.format.stop_bits);
 }
 
 std::string likely_text(const Identification& identification) {

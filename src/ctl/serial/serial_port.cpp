@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <iterator>
 #include <optional>
 #include <system_error>
@@ -178,7 +178,7 @@ std::vector<modbus::CharacterFormat> formats(Parity parity,
 }  // namespace
 
 std::string mode_text(const LineMode& mode) {
-  std::string text = fmt::format("{} 8", static_cast<std::uint32_t>(mode.baud));
+  std::string text = fmt::format("{} 8", fmt::underlying(mode.baud));
   switch (mode.format.parity) {
     case Parity::none: text += 'N'; break;
     case Parity::even: text += 'E'; break;

@@ -10,7 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <filesystem>
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -132,7 +132,7 @@ Result<std::vector<std::string>, std::string> set_mode(int fd, const bus::LineSe
 }
 
 std::string to_text(const bus::LineSettings& line) {
-  return fmt::format("{} {}", static_cast<std::uint32_t>(line.baud), mode_of(line).format_text());
+  return fmt::format("{} {}", fmt::underlying(line.baud), mode_of(line).format_text());
 }
 
 Result<OpenTty, std::string> open_tty(const bus::LineSettings& line) {
