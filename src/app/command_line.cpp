@@ -189,23 +189,24 @@ Result<ListenAddress, std::string> parse_listen(std::string_view text,
 }
 
 std::string serial_config(const SerialOptions& options) {
-  return fmt::format(
-      "# What mbgated --serial serves. mbgate.toml(5) has every key.\n"
-      "\n"
-      "[[listen]]\n"
-      "name = \"clients\"\n"
-      "address = {}\n"
-      "port = {}\n"
-      "bus = \"line\"\n"
-      "{}\n"
-      "[[bus]]\n"
-      "name = \"line\"\n"
-      "device = {}\n"
-      "baud = {}\n"
-      "parity = {}\n"
-      "stop_bits = {}\n",
-      toml_string(options.listen.address.to_text()), options.listen.port, allow_line(options.allow),
-      toml_string(options.device), options.baud, toml_string(options.parity), options.stop_bits);
+  return fmt::format(R"(# What mbgated --serial serves. mbgate.toml(5) has every key.
+
+[[listen]]
+name = "clients"
+address = {}
+port = {}
+bus = "line"
+{}
+[[bus]]
+name = "line"
+device = {}
+baud = {}
+parity = {}
+stop_bits = {}
+)",
+                     toml_string(options.listen.address.to_text()), options.listen.port,
+                     allow_line(options.allow), toml_string(options.device), options.baud,
+                     toml_string(options.parity), options.stop_bits);
 }
 
 }  // namespace mbgate::app

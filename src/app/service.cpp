@@ -7,7 +7,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <iterator>
 #include <utility>
 #include <variant>
@@ -158,8 +158,7 @@ void Service::on_line_warning(BusId bus, const std::string& warning) {
 
 void Service::on_line_failure(BusId bus, const std::string& why) {
   if (failures_[static_cast<std::size_t>(bus)].insert(why).second) {
-    log_.write_limited(Level::warning,
-                       fmt::format("line failure {}", static_cast<std::uint32_t>(bus)),
+    log_.write_limited(Level::warning, fmt::format("line failure {}", fmt::underlying(bus)),
                        bus_text(bus, why),
                        {.id = message_id::kLineFailure, .bus = driver_.settings().bus(bus).name});
   }
@@ -167,8 +166,7 @@ void Service::on_line_failure(BusId bus, const std::string& why) {
 
 void Service::on_accept_failure(ListenerId listener, const std::string& why) {
   const std::string& name = driver_.settings().listener(listener).name;
-  log_.write_limited(Level::error,
-                     fmt::format("accept failure {}", static_cast<std::uint32_t>(listener)),
+  log_.write_limited(Level::error, fmt::format("accept failure {}", fmt::underlying(listener)),
                      fmt::format("listener {}: cannot accept clients: {}", name, why),
                      {.id = message_id::kAcceptFailed, .listener = name});
 }

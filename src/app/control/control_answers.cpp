@@ -38,14 +38,6 @@ std::string_view query_of(const HttpRequest& request) {
   return mark == std::string_view::npos ? std::string_view() : target.substr(mark + 1);
 }
 
-std::optional<std::string_view> last_event_id(const HttpRequest& request) {
-  const auto found = request.find("Last-Event-ID");
-  if (found == request.end()) {
-    return std::nullopt;
-  }
-  return std::string_view(found->value().data(), found->value().size());
-}
-
 HttpResponse wrong_method(const HttpRequest& request, const char* allowed) {
   HttpResponse response = answer(request, http::status::method_not_allowed,
                                  error_json(std::string("expected ") + allowed));

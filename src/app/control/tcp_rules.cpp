@@ -5,6 +5,7 @@
 #include <cctype>
 #include <fmt/core.h>
 
+#include "app/control/control_answers.hpp"
 #include "app/text.hpp"
 #include "routing/client_address.hpp"
 
@@ -30,15 +31,6 @@ std::string without_port(std::string_view host) {
     return std::string(host.substr(1, end == std::string_view::npos ? end : end - 1));
   }
   return in_small_letters(host.substr(0, host.find(':')));
-}
-
-template <typename Field>
-std::optional<std::string_view> value_of(const http::request_header<>& request, Field field) {
-  const auto found = request.find(field);
-  if (found == request.end()) {
-    return std::nullopt;
-  }
-  return std::string_view(found->value().data(), found->value().size());
 }
 
 Refusal foreign(std::string_view from, const char* header) {

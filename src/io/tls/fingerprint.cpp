@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/tls/fingerprint.hpp"
 
-#include <openssl/crypto.h>
 #include <openssl/evp.h>
 
 #include <algorithm>
@@ -22,10 +21,7 @@ constexpr std::size_t kShown = 8;
 using Digest = std::array<unsigned char, EVP_MAX_MD_SIZE>;
 
 std::string hex_pairs(const Digest& digest, std::size_t size) {
-  std::array<char, 3 * kShown> text{};  // each with a colon, or the end, behind it
-  OPENSSL_buf2hexstr_ex(text.data(), text.size(), nullptr, digest.data(),
-                        static_cast<long>(std::min(size, kShown)), ':');
-  return text.data();
+  return fmt::format("{:02X}", fmt::join(std::span(digest).first(std::min(size, kShown)), ":"));
 }
 
 std::string made_at(const X509_CRL& list) {
@@ -85,13 +81,7 @@ std::string sha256(std::span<const std::string_view> texts) {
   std::array<unsigned char, kSize> digest{};
   good = good && EVP_DigestFinal_ex(context.get(), digest.data(), nullptr) == 1;
   MBGATE_ASSERT(good, "OpenSSL has SHA-256");
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string hex;
-  for (const unsigned char byte : digest) {
-    hex += kDigits[byte >> 4U];
-    hex += kDigits[byte & 0xFU];
-  }
-  return hex;
+  return fmt::format("{:02x}", fmt::join(digest, ""));
 }
 
 std::string sha256(std::string_view text) { return sha256(std::span(&text, 1)); }
