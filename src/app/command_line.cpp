@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 #include <iostream>
 
+#include "base/text.hpp"
 #include "config/keys/keys.hpp"
 
 namespace mbgate::app {
@@ -158,14 +159,7 @@ std::string toml_string(std::string_view text) {
 }
 
 std::string allow_line(const std::vector<std::string>& allow) {
-  if (allow.empty()) {
-    return {};
-  }
-  std::string list;
-  for (const auto& network : allow) {
-    list += (list.empty() ? "" : ", ") + toml_string(network);
-  }
-  return fmt::format("allow = [{}]\n", list);
+  return allow.empty() ? "" : fmt::format("allow = [{}]\n", joined(allow, toml_string));
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers in texts for people.
+// Numbers and lists in texts for people.
 #pragma once
 
 #include <cstdint>
 #include <fmt/core.h>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -17,6 +18,16 @@ inline std::string counted(std::uint64_t count, std::string_view one) {
 /// "1 bus", "2 buses".
 inline std::string counted(std::uint64_t count, std::string_view one, std::string_view many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+/// The result of `text`, a function or a member, for each element, joined by `between`.
+template <typename List, typename Text>
+std::string joined(const List& list, Text text, std::string_view between = ", ") {
+  std::string all;
+  for (const auto& element : list) {
+    all.append(all.empty() ? "" : between).append(std::invoke(text, element));
+  }
+  return all;
 }
 
 }  // namespace mbgate

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <fmt/core.h>
 
+#include "base/text.hpp"
 #include "modbus/make_request.hpp"
 
 namespace mbgate::ctl {
@@ -12,11 +13,7 @@ namespace {
 using bus::BusSettings;
 
 std::string names_of(const std::vector<const BusSettings*>& buses) {
-  std::string text;
-  for (const auto* bus : buses) {
-    text.append(text.empty() ? "" : ", ").append(bus->name);
-  }
-  return text;
+  return joined(buses, &BusSettings::name);
 }
 
 std::vector<const BusSettings*> buses_of(const gateway::Settings& settings, bool serial_only) {

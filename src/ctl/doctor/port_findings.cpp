@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <system_error>
 
+#include "base/text.hpp"
 #include "ctl/serial/serial_port.hpp"
 
 namespace mbgate::ctl {
@@ -13,17 +14,11 @@ constexpr unsigned kGroupReadsAndWrites = 0060;
 /// What an FTDI chip collects for no longer is no delay worth a word.
 constexpr unsigned kShortTimer = 2;
 
-std::string listed_names(const std::vector<std::string>& names) {
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
 /// "mbgated (process 12)"
 std::string holders_text(const std::vector<Holder>& holders) {
-  std::string text;
-  for (const auto& holder : holders) {
-    text += fmt::format("{}{} (process {})", text.empty() ? "" : ", ", holder.name, holder.process);
-  }
-  return text;
+  return joined(holders, [](const Holder& it) {
+    return fmt::format("{} (process {})", it.name, it.process);
+  });
 }
 
 bool is_gateway(const Holder& holder) { return holder.name == "mbgated"; }
@@ -45,7 +40,7 @@ Finding port_finding(const std::string& device, const PortFacts& facts) {
     if (!facts.is_lasting && !facts.leading.empty()) {
       finding.advice = fmt::format(
           "where adapters are plugged in otherwise it may be another one; this name stays: {}",
-          listed_names(facts.leading));
+          fmt::join(facts.leading, ", "));
     }
   }
   return finding;

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <utility>
 
+#include "base/text.hpp"
 #include "config/toml/duration_text.hpp"
 #include "ctl/profile/profile_text.hpp"
 #include "ctl/visible_text.hpp"

@@ -6,6 +6,7 @@
 #include <ostream>
 #include <utility>
 
+#include "base/text.hpp"
 #include "config/profiles/profile_library.hpp"
 #include "config/toml/duration_text.hpp"
 #include "config/toml/match_entry.hpp"

@@ -5,6 +5,7 @@
 #include <ostream>
 #include <system_error>
 
+#include "base/text.hpp"
 #include "config/profiles/profile_library.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "ctl/request/modbus_client.hpp"
@@ -63,11 +64,8 @@ std::vector<const config::ProfileFile*> load_all(config::ProfileLibrary& library
 }
 
 std::string folders_text(const config::ProfileFolders& folders) {
-  std::string text;
-  for (const auto& folder : folders) {
-    text.append(text.empty() ? "" : " or ").append(folder.string());
-  }
-  return text;
+  return joined(
+      folders, [](const auto& folder) { return folder.string(); }, " or ");
 }
 
 /// Empty if the file was written, else what was wrong.

@@ -5,6 +5,7 @@
 #include <boost/json.hpp>
 #include <fmt/format.h>
 
+#include "base/text.hpp"
 #include "config/profiles/profile_library.hpp"
 #include "config/toml/duration_text.hpp"
 #include "config/toml/match_entry.hpp"
@@ -46,10 +47,8 @@ std::string order_text(const Identification& found) {
 }
 
 std::string texts_of(const Identification& found) {
-  std::string text;
-  for (const auto& [name, value] : found.texts) {
-    text += fmt::format("{}{} \"{}\"", text.empty() ? "" : ", ", name, value);
-  }
+  const auto text = joined(
+      found.texts, [](const auto& it) { return fmt::format("{} \"{}\"", it.name, it.text); });
   return text.empty() ? "-" : text;
 }
 
@@ -93,11 +92,8 @@ std::string likely_text(const Identification& identification) {
   if (identification.likely.empty()) {
     return std::string(config::kGenericProfile);
   }
-  std::string text;
-  for (const auto* file : identification.likely) {
-    text.append(text.empty() ? "" : " or ").append(file->profile.name);
-  }
-  return text;
+  return joined(
+      identification.likely, [](const auto* file) { return file->profile.name; }, " or ");
 }
 
 bool word_order_unknown(const Identification& identification) {

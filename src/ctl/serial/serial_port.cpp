@@ -85,13 +85,9 @@ std::string port_failure(const std::string& device, int error,
           device);
     case ENOENT:
     case ENODEV:
-    case ENXIO: {
-      std::string text = "there is no serial port " + device;
-      for (const auto& name : names) {
-        text.append(&name == &names.front() ? "; there is " : ", ").append(name);
-      }
-      return text;
-    }
+    case ENXIO:
+      return fmt::format("there is no serial port {}{}{}", device,
+                         names.empty() ? "" : "; there is ", fmt::join(names, ", "));
     default:
       return fmt::format("cannot open {}: {}", device, std::generic_category().message(error));
   }

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "base/assert.hpp"
+#include "base/text.hpp"
 #include "sys/openssl.hpp"
 
 namespace mbgate::io {
@@ -51,18 +52,13 @@ std::string fingerprint(const X509& certificate) {
 }
 
 std::string fingerprints(const std::vector<sys::CertificateHandle>& certificates) {
-  std::string text;
-  for (const sys::CertificateHandle& certificate : certificates) {
-    text += (text.empty() ? "" : " and ") + fingerprint(*certificate);
-  }
-  return text;
+  return joined(
+      certificates, [](const auto& it) { return fingerprint(*it); }, " and ");
 }
 
 std::string lists_text(const std::vector<sys::CrlHandle>& lists) {
-  std::string text;
-  for (const sys::CrlHandle& list : lists) {
-    text += (text.empty() ? "" : " and ") + list_text(*list);
-  }
+  const auto text = joined(
+      lists, [](const auto& it) { return list_text(*it); }, " and ");
   return text.empty() ? "none" : text;
 }
 
