@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/number.hpp"
+#include "base/text.hpp"
 
 namespace mbgate {
 

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers and lists in texts for people.
+// Numbers and lists in texts: written for people, and read from what people wrote.
 #pragma once
 
+#include <charconv>
 #include <cstdint>
 #include <fmt/core.h>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 namespace mbgate {
 
@@ -28,6 +31,15 @@ std::string joined(const List& list, Text text, std::string_view between = ", ")
     all.append(all.empty() ? "" : between).append(std::invoke(text, element));
   }
   return all;
+}
+
+/// The integer that is the whole of a text; nothing if there is more, or if it does not fit.
+template <typename Integer>
+std::optional<Integer> integer_in(std::string_view text, int base = 10) {
+  Integer number{};
+  const char* const end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), end, number, base);
+  return error == std::errc{} && at == end ? std::optional(number) : std::nullopt;
 }
 
 }  // namespace mbgate

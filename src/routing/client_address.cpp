@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "base/number.hpp"
+#include "base/text.hpp"
 
 namespace mbgate::routing {
 namespace {

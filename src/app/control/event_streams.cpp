@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "app/text.hpp"
-#include "base/number.hpp"
+#include "base/text.hpp"
 
 namespace mbgate::app {
 

@@ -6,7 +6,7 @@
 #include <system_error>
 #include <utility>
 
-#include "base/number.hpp"
+#include "base/text.hpp"
 #include "modbus/mbap.hpp"
 
 namespace mbgate::app {

@@ -44,18 +44,13 @@ template <typename Named>
 std::vector<std::size_t> find_each(TomlTable& table, std::string_view key,
                                    const std::vector<Named>& all) {
   std::vector<std::size_t> found;
-  std::vector<std::string_view> names;
-  names.reserve(all.size());
-  for (const auto& it : all) {
-    names.push_back(it.name);
-  }
   for (const auto& [text, position] : table.strings(key).value_or(std::vector<TomlText>())) {
-    const auto name = std::ranges::find(names, text);
-    if (name != names.end()) {
-      found.push_back(static_cast<std::size_t>(name - names.begin()));
+    const auto entry = std::ranges::find(all, text, &Named::name);
+    if (entry != all.end()) {
+      found.push_back(static_cast<std::size_t>(entry - all.begin()));
     } else {
       table.document().error(position, "{}: no {} is named {}{}", key, kSection<Named>,
-                             in_quotes(text), did_you_mean(text, names));
+                             in_quotes(text), did_you_mean(text, names_of(all)));
     }
   }
   return found;

@@ -4,7 +4,7 @@
 #include <fmt/core.h>
 #include <string>
 
-#include "base/number.hpp"
+#include "base/text.hpp"
 
 namespace mbgate::config {
 namespace {

@@ -17,7 +17,7 @@
 #include <iterator>
 #include <sstream>
 
-#include "base/number.hpp"
+#include "base/text.hpp"
 #include "ctl/serial/serial_port.hpp"
 
 namespace mbgate::ctl {

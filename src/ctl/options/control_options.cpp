@@ -7,7 +7,7 @@
 #include <fmt/core.h>
 #include <memory>
 
-#include "base/number.hpp"
+#include "base/text.hpp"
 #include "ctl/options/subcommands.hpp"
 #include "modbus/codes.hpp"
 

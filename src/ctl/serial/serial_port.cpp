@@ -10,7 +10,7 @@
 #include <system_error>
 #include <utility>
 
-#include "base/number.hpp"
+#include "base/text.hpp"
 
 namespace mbgate::ctl {
 namespace {

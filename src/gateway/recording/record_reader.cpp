@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 #include <optional>
 
-#include "base/number.hpp"
+#include "base/text.hpp"
 #include "gateway/limits.hpp"
 #include "gateway/recording/record.hpp"
 
