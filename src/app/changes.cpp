@@ -159,12 +159,12 @@ void compare_all(std::vector<std::string>& changes, const char* kind, const Sett
   for (std::size_t number = 0; number < after.size(); ++number) {
     const bool was = number < before.size() && !is_gone(before[number]);
     const bool is = !is_gone(after[number]);
-    std::string name = fmt::format("{} {}", kind, after[number].name);
+    const std::string name = fmt::format("{} {}", kind, after[number].name);
     if (was != is) {
       changes.push_back(name + (is ? " added" : " removed"));
     } else if (is) {
       if (const std::string found = differences(old, next, number, Named()); !found.empty()) {
-        changes.push_back(name.append(": ").append(found));
+        changes.push_back(fmt::format("{}: {}", name, found));
       }
     }
   }
