@@ -2,6 +2,7 @@
 #include "app/changes.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 #include <iterator>
 #include <optional>
 #include <span>
@@ -30,8 +31,8 @@ class Differences {
       const auto before = key.get(old);
       const auto after = key.get(next);
       if (before != after) {
-        add(std::string(key.name) + ' ' + config::value_text(before) + " -> " +
-            config::value_text(after));
+        add(fmt::format("{} {} -> {}", key.name, config::value_text(before),
+                        config::value_text(after)));
       }
     }
   }
@@ -158,12 +159,12 @@ void compare_all(std::vector<std::string>& changes, const char* kind, const Sett
   for (std::size_t number = 0; number < after.size(); ++number) {
     const bool was = number < before.size() && !is_gone(before[number]);
     const bool is = !is_gone(after[number]);
-    std::string name = std::string(kind) + ' ' + after[number].name;
+    const std::string name = fmt::format("{} {}", kind, after[number].name);
     if (was != is) {
       changes.push_back(name + (is ? " added" : " removed"));
     } else if (is) {
       if (const std::string found = differences(old, next, number, Named()); !found.empty()) {
-        changes.push_back(name.append(": ").append(found));
+        changes.push_back(fmt::format("{}: {}", name, found));
       }
     }
   }
@@ -197,8 +198,8 @@ void add_rules(std::vector<std::string>& changes, const std::vector<routing::Acc
   const std::string come = titles_without(next, old);
   changes.push_back(gone.empty() && come.empty()
                         ? "access rules: in another order, or twice"
-                        : "access rules: " + (gone.empty() ? "none" : gone) + " -> " +
-                              (come.empty() ? "none" : come));
+                        : fmt::format("access rules: {} -> {}", gone.empty() ? "none" : gone,
+                                      come.empty() ? "none" : come));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdlib>
+#include <fmt/core.h>
 #include <iostream>
 
 #include "base/text.hpp"
@@ -149,7 +150,7 @@ std::string toml_string(std::string_view text) {
     if (byte == '"' || byte == '\\') {
       (quoted += '\\') += byte;
     } else if (code < 0x20U || code == 0x7FU) {
-      quoted += "\\u" + hex_text(code, 4);
+      quoted += fmt::format("\\u{:04X}", code);
     } else {
       quoted += byte;
     }
@@ -158,14 +159,7 @@ std::string toml_string(std::string_view text) {
 }
 
 std::string allow_line(const std::vector<std::string>& allow) {
-  if (allow.empty()) {
-    return {};
-  }
-  std::string list;
-  for (const auto& network : allow) {
-    list += (list.empty() ? "" : ", ") + toml_string(network);
-  }
-  return "allow = [" + list + "]\n";
+  return allow.empty() ? "" : fmt::format("allow = [{}]\n", joined(allow, toml_string));
 }
 
 }  // namespace
@@ -174,33 +168,39 @@ Result<ListenAddress, std::string> parse_listen(std::string_view text,
                                                 const std::vector<std::string>& allow) {
   const auto listen = ListenAddress::parse(text);
   if (!listen) {
-    return "expected an IPv4 or IPv6 address and a port, such as 127.0.0.1:1502 or [::1]:1502, "
-           "found \"" +
-           std::string(text) + '"';
+    return fmt::format(
+        "expected an IPv4 or IPv6 address and a port, such as 127.0.0.1:1502 or [::1]:1502, found "
+        "\"{}\"",
+        text);
   }
   if (allow.empty() && !routing::is_loopback(listen->address)) {
-    return "other machines reach " + listen->address.to_text() +
-           ": add --allow with those who may connect, such as --allow 192.168.10.0/24";
+    return fmt::format(
+        "other machines reach {}: add --allow with those who may connect, such as --allow "
+        "192.168.10.0/24",
+        listen->address.to_text());
   }
   return *listen;
 }
 
 std::string serial_config(const SerialOptions& options) {
-  return "# What mbgated --serial serves. mbgate.toml(5) has every key.\n"
-         "\n"
-         "[[listen]]\n"
-         "name = \"clients\"\n"
-         "address = " +
-         toml_string(options.listen.address.to_text()) +
-         "\nport = " + std::to_string(options.listen.port) + "\nbus = \"line\"\n" +
-         allow_line(options.allow) +
-         "\n"
-         "[[bus]]\n"
-         "name = \"line\"\n"
-         "device = " +
-         toml_string(options.device) + "\nbaud = " + std::to_string(options.baud) +
-         "\nparity = " + toml_string(options.parity) +
-         "\nstop_bits = " + std::to_string(options.stop_bits) + "\n";
+  return fmt::format(R"(# What mbgated --serial serves. mbgate.toml(5) has every key.
+
+[[listen]]
+name = "clients"
+address = {}
+port = {}
+bus = "line"
+{}
+[[bus]]
+name = "line"
+device = {}
+baud = {}
+parity = {}
+stop_bits = {}
+)",
+                     toml_string(options.listen.address.to_text()), options.listen.port,
+                     allow_line(options.allow), toml_string(options.device), options.baud,
+                     toml_string(options.parity), options.stop_bits);
 }
 
 }  // namespace mbgate::app

@@ -2,6 +2,7 @@
 #include "app/listeners.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 #include <utility>
 
 #include "io/supervise.hpp"
@@ -28,9 +29,10 @@ bool Listeners::begin(const std::vector<ListenerSettings>& listeners,
   }
   for (const auto& socket : inherited) {
     if (socket.fd.is_open()) {
-      log_.write(Level::warning,
-                 "the socket \"" + socket.name + "\" from systemd has the name of no listener",
-                 {.id = message_id::kSocketUnknown});
+      log_.write(
+          Level::warning,
+          fmt::format("the socket \"{}\" from systemd has the name of no listener", socket.name),
+          {.id = message_id::kSocketUnknown});
     }
   }
   return all;
@@ -67,7 +69,7 @@ bool Listeners::keep(ListenerId id, const ListenerSettings& listener,
     refuse(listener, failure);
     return false;
   }
-  log_.write(Level::warning, failure.why + "; " + waits_.promise,
+  log_.write(Level::warning, fmt::format("{}; {}", failure.why, waits_.promise),
              {.id = message_id::kListenerWaits, .listener = listener.name});
   waiting_.push_back({id, listener, failure.why});
   return true;
@@ -80,7 +82,7 @@ void Listeners::refuse(const ListenerSettings& listener, const io::ListenFailure
 }
 
 void Listeners::add(ListenerId id, const ListenerSettings& listener, Acceptor acceptor) {
-  Line line{"listening " + listener.name + " " + io::to_text(acceptor.local_endpoint()),
+  Line line{fmt::format("listening {} {}", listener.name, io::to_text(acceptor.local_endpoint())),
             {.id = message_id::kListening, .listener = listener.name}};
   if (stored_ != nullptr && !inherited_.contains(id)) {
     stored_->keep(listener, acceptor);

@@ -5,29 +5,20 @@
 
 #include <algorithm>
 #include <boost/asio/post.hpp>
-#include <cerrno>
+#include <fmt/core.h>
 #include <future>
 #include <memory>
 #include <string_view>
 #include <utility>
 
 #include "io/clock.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::app {
 namespace {
 
 /// Lines held for a standard error that does not take them: some 100 KiB.
 constexpr std::size_t kMostWaiting = 1000;
-
-void write_all(int descriptor, std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t count = ::write(descriptor, text.data(), text.size());
-    if (count < 0 && errno != EINTR) {
-      return;  // nobody is left to tell
-    }
-    text.remove_prefix(count < 0 ? 0 : static_cast<std::size_t>(count));
-  }
-}
 
 }  // namespace
 
@@ -42,8 +33,8 @@ const char* level_word(Level level) {
 }
 
 std::string log_line(Level level, const std::string& text, bool for_journal) {
-  return for_journal ? "<" + std::to_string(static_cast<int>(level)) + ">" + text
-                     : std::string(level_word(level)) + ": " + text;
+  return for_journal ? fmt::format("<{}>{}", static_cast<int>(level), text)
+                     : fmt::format("{}: {}", level_word(level), text);
 }
 
 Log::Log(bool for_journal, int descriptor, Send send)
@@ -65,7 +56,7 @@ void Log::write_limited(Level level, const std::string& kind, const std::string&
   }
   std::string line = text;
   if (verdict.left_out > 0) {
-    line += " (" + std::to_string(verdict.left_out) + " lines of this kind were left out)";
+    line += fmt::format(" ({} lines of this kind were left out)", verdict.left_out);
   }
   if (verdict.last) {
     line += " (more of this kind within a minute are only counted)";
@@ -87,9 +78,8 @@ void Log::give(Level level, const std::string& text, std::string line, const Top
   std::vector<Entry> entries{entry_of(level, text, std::move(line), topic)};
   std::string missing;
   if (lost_ > 0) {
-    missing = std::to_string(std::exchange(lost_, 0)) +
-              " lines are missing here: " + (for_journal_ ? "the journal" : "standard error") +
-              " did not take them";
+    missing = fmt::format("{} lines are missing here: {} did not take them",
+                          std::exchange(lost_, 0), for_journal_ ? "the journal" : "standard error");
     entries.push_back(entry_of(Level::warning, missing,
                                log_line(Level::warning, missing, for_journal_),
                                {.id = message_id::kLinesMissing}));
@@ -118,7 +108,7 @@ Log::Entry Log::entry_of(Level level, const std::string& text, std::string line,
 
 void Log::deliver(const Entry& entry) const {
   if (!for_journal_ || !send_(entry.fields)) {
-    write_all(descriptor_, entry.line);
+    sys::write_all(descriptor_, entry.line);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 
 #include <cerrno>
+#include <fmt/core.h>
 #include <string_view>
 #include <system_error>
 
@@ -34,11 +35,11 @@ Result<sys::UniqueFd, std::string> create_recording(const fs::path& file) {
 
 std::string recording_failure(const fs::path& file, int error) {
   const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
-  return "cannot create the recording " + file.string() + ": " +
-         std::generic_category().message(error) +
-         io::folder_advice(
-             folder, error,
-             "name a FILE without a folder, which goes to the state directory, /var/lib/mbgate");
+  return fmt::format(
+      "cannot create the recording {}: {}{}", file.string(), std::generic_category().message(error),
+      io::folder_advice(
+          folder, error,
+          "name a FILE without a folder, which goes to the state directory, /var/lib/mbgate"));
 }
 
 std::vector<gateway::ConfigFile> recorded_files(const std::vector<config::TextFile>& files) {

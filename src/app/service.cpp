@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fmt/format.h>
 #include <iterator>
 #include <utility>
 #include <variant>
@@ -157,8 +158,7 @@ void Service::on_line_warning(BusId bus, const std::string& warning) {
 
 void Service::on_line_failure(BusId bus, const std::string& why) {
   if (failures_[static_cast<std::size_t>(bus)].insert(why).second) {
-    log_.write_limited(Level::warning,
-                       "line failure " + std::to_string(static_cast<std::uint32_t>(bus)),
+    log_.write_limited(Level::warning, fmt::format("line failure {}", fmt::underlying(bus)),
                        bus_text(bus, why),
                        {.id = message_id::kLineFailure, .bus = driver_.settings().bus(bus).name});
   }
@@ -166,18 +166,18 @@ void Service::on_line_failure(BusId bus, const std::string& why) {
 
 void Service::on_accept_failure(ListenerId listener, const std::string& why) {
   const std::string& name = driver_.settings().listener(listener).name;
-  log_.write_limited(Level::error,
-                     "accept failure " + std::to_string(static_cast<std::uint32_t>(listener)),
-                     "listener " + name + ": cannot accept clients: " + why,
+  log_.write_limited(Level::error, fmt::format("accept failure {}", fmt::underlying(listener)),
+                     fmt::format("listener {}: cannot accept clients: {}", name, why),
                      {.id = message_id::kAcceptFailed, .listener = name});
 }
 
 void Service::on_stall(std::chrono::milliseconds lasted) {
-  log_.write_limited(Level::warning, "stall",
-                     "the gateway did not run for " + std::to_string(lasted.count()) +
-                         " ms: it was stopped, or got no processor time. What clients sent "
-                         "meanwhile counts as sent at its beginning",
-                     {.id = message_id::kStalled});
+  log_.write_limited(
+      Level::warning, "stall",
+      fmt::format("the gateway did not run for {} ms: it was stopped, or got no processor time. "
+                  "What clients sent meanwhile counts as sent at its beginning",
+                  lasted.count()),
+      {.id = message_id::kStalled});
 }
 
 void Service::on_status_changed() {
@@ -235,7 +235,7 @@ void Service::control_failed(const std::string& why) {
 
 void Service::http_refused(const std::string& address) {
   log_.write_limited(Level::warning, "http refused",
-                     "http: " + address + " may not read, it is not in [http] allow",
+                     fmt::format("http: {} may not read, it is not in [http] allow", address),
                      {.id = message_id::kHttpRefused, .client = address});
 }
 
@@ -264,7 +264,7 @@ void Service::start_control() {
 }
 
 std::string Service::bus_text(BusId bus, const std::string& text) const {
-  return "bus " + driver_.settings().bus(bus).name + ": " + text;
+  return fmt::format("bus {}: {}", driver_.settings().bus(bus).name, text);
 }
 
 }  // namespace mbgate::app

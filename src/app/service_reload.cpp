@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A reload: the configuration is read on a thread that may wait, and put into force if it is good.
 #include <algorithm>
+#include <fmt/core.h>
 #include <iterator>
 #include <memory>
 #include <utility>
@@ -62,7 +63,7 @@ void Service::say_who_reloads(const std::string& kind, const std::string& who) {
 
 void Service::command_denied(const Asker& asker, const std::string& what) {
   log_.write_limited(Level::warning, "command denied " + asker.client,
-                     "control socket: " + what + ", asked by " + asker.text,
+                     fmt::format("control socket: {}, asked by {}", what, asker.text),
                      {.id = message_id::kCommandDenied});
 }
 

@@ -5,10 +5,10 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <fmt/core.h>
 #include <string_view>
 #include <utility>
 
-#include "base/text.hpp"
 #include "io/clients/listening_socket.hpp"
 
 namespace mbgate::app {
@@ -44,7 +44,7 @@ std::string stored_name(const std::string& listener, const tcp::endpoint& at) {
     if (c > ' ' && c <= '~' && c != ':' && c != '%') {
       name += c;
     } else {
-      name += '%' + hex_text(code, 2);
+      name += fmt::format("%{:02X}", code);
     }
   }
   return name;

@@ -2,24 +2,13 @@
 #include "app/text.hpp"
 
 #include <cstddef>
-#include <cstdio>
-#include <ctime>
+#include <fmt/chrono.h>
 
+#include "base/text.hpp"
 #include "base/utf8.hpp"
 #include "gateway/settings/numbering.hpp"
 
 namespace mbgate::app {
-namespace {
-
-std::string counted(std::size_t count, const char* one, const char* many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
-}
-
-std::string listeners_text(const gateway::Settings& settings) {
-  return counted(gateway::count_there(settings.listeners), "listener", "listeners");
-}
-
-}  // namespace
 
 std::string status_text(const gateway::Settings& settings, const gateway::Status& status,
                         std::size_t listeners_waiting) {
@@ -30,19 +19,16 @@ std::string status_text(const gateway::Settings& settings, const gateway::Status
   const std::string listening =
       listeners_waiting == 0
           ? ""
-          : std::to_string(gateway::count_there(settings.listeners) - listeners_waiting) + " of ";
-  return listening + listeners_text(settings) + ", " + std::to_string(status.buses_open) + " of " +
-         counted(buses, "bus", "buses") + " open, " + counted(status.clients, "client", "clients");
+          : fmt::format("{} of ", gateway::count_there(settings.listeners) - listeners_waiting);
+  return fmt::format("{}{}, {} of {} open, {}", listening,
+                     counted(gateway::count_there(settings.listeners), "listener"),
+                     status.buses_open, counted(buses, "bus", "buses"),
+                     counted(status.clients, "client"));
 }
 
 std::string utc_second(std::chrono::system_clock::time_point instant) {
-  const std::time_t second =
-      std::chrono::system_clock::to_time_t(std::chrono::floor<std::chrono::seconds>(instant));
-  std::tm fields{};
-  ::gmtime_r(&second, &fields);
-  char text[sizeof "2026-11-24T22:10:00"];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &fields);
-  return text;
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}",
+                     fmt::gmtime(std::chrono::floor<std::chrono::seconds>(instant)));
 }
 
 namespace {
@@ -52,9 +38,7 @@ template <typename Fraction>
 std::string utc_text(std::chrono::system_clock::time_point instant, int digits) {
   using std::chrono::floor;
   const auto rest = floor<Fraction>(instant - floor<std::chrono::seconds>(instant));
-  char text[sizeof ".123456Z"];
-  std::snprintf(text, sizeof text, ".%0*dZ", digits, static_cast<int>(rest.count()));
-  return utc_second(instant) + text;
+  return fmt::format("{}.{:0{}}Z", utc_second(instant), rest.count(), digits);
 }
 
 }  // namespace

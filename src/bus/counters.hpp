@@ -43,11 +43,15 @@ struct BusCounters {
 /// Where a counter of a bus is shown.
 struct CounterKind {
   std::uint64_t BusCounters::*member;
-  const char* name;              ///< in the status as JSON
-  unsigned place;                ///< among the counters of unit 255
-  const char* metric = nullptr;  ///< none: it is a reason among the refused requests
-  const char* help = nullptr;    ///< of that metric
+  const char* name;  ///< in the status as JSON
+  unsigned place;    ///< among the counters of unit 255
+  const char* metric;
+  const char* help;              ///< of that metric
+  const char* reason = nullptr;  ///< where several counters are one metric, by reason
 };
+inline constexpr const char* kRefused = "mbgate_bus_refused_requests_total";
+inline constexpr const char* kRefusedHelp =
+    "Requests that were never sent, or not again, by reason.";
 /// In unit 255 no counter has place 18 any more.
 inline constexpr unsigned kCounterPlaces = 26;
 inline constexpr std::array kBusCounters = {
@@ -82,10 +86,12 @@ inline constexpr std::array kBusCounters = {
     CounterKind{&BusCounters::echo_mismatches, "echo_mismatches", 8,
                 "mbgate_bus_echo_mismatches_total",
                 "Transmissions that were heard differently than they were sent."},
-    CounterKind{&BusCounters::expired, "expired", 9},
-    CounterKind{&BusCounters::refused_full, "refused_full", 10},
-    CounterKind{&BusCounters::refused_offline, "refused_offline", 24},
-    CounterKind{&BusCounters::evicted, "evicted", 25},
+    CounterKind{&BusCounters::expired, "expired", 9, kRefused, kRefusedHelp, "deadline"},
+    CounterKind{&BusCounters::refused_full, "refused_full", 10, kRefused, kRefusedHelp,
+                "queue_full"},
+    CounterKind{&BusCounters::refused_offline, "refused_offline", 24, kRefused, kRefusedHelp,
+                "device_offline"},
+    CounterKind{&BusCounters::evicted, "evicted", 25, kRefused, kRefusedHelp, "evicted"},
     CounterKind{&BusCounters::losses, "losses", 11, "mbgate_bus_losses_total",
                 "How often the line was lost."},
     CounterKind{&BusCounters::shared_reads, "shared_reads", 17, "mbgate_bus_shared_reads_total",

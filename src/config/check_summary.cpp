@@ -5,18 +5,17 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <fmt/core.h>
 #include <string_view>
 
+#include "base/host_and_port.hpp"
+#include "base/text.hpp"
 #include "config/sections/sections.hpp"
 #include "config/toml/duration_text.hpp"
 #include "gateway/limits.hpp"
 
 namespace mbgate::config {
 namespace {
-
-std::string number_of(std::size_t count, const char* one, const char* many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
-}
 
 // What becomes of a request that no rule matches, or that the last one decides for all.
 std::string rules_text(const gateway::Settings& settings) {
@@ -25,10 +24,11 @@ std::string rules_text(const gateway::Settings& settings) {
   const bool any_role = std::ranges::any_of(settings.listeners,
                                             [](const auto& listener) { return has_tls(listener); });
   const bool decides_all = hides(last, routing::AccessRule{.any_role = any_role});
-  const std::string end = decides_all ? "the last one, " + last.title() + ", " +
-                                            (last.permits ? "permits" : "denies") + " what is left"
-                                      : std::string("what none of them matches is denied");
-  return number_of(rules.size(), "rule", "rules") + ": " + end;
+  const std::string end = decides_all
+                              ? fmt::format("the last one, {}, {} what is left", last.title(),
+                                            last.permits ? "permits" : "denies")
+                              : std::string("what none of them matches is denied");
+  return fmt::format("{}: {}", counted(rules.size(), "rule", "rules"), end);
 }
 
 // What the units of a Modbus TCP server are, where one device stands for it.
@@ -38,11 +38,12 @@ std::string units_text(const gateway::Settings& settings) {
     const auto devices = settings.devices_on(drive::BusId{static_cast<std::uint32_t>(at)});
     if (settings.buses[at].line.framing == bus::Framing::tcp && devices.size() == 1) {
       const drive::Device& device = devices.front();
-      text += "\nbus " + settings.buses[at].name + ": " +
-              (device.has_every_unit
-                   ? "every unit is device " + device.name
-                   : "device " + device.name + " is unit " + std::to_string(device.address) +
-                         " alone; if all units are this device, say one_device = true");
+      text += fmt::format("\nbus {}: {}", settings.buses[at].name,
+                          device.has_every_unit
+                              ? "every unit is device " + device.name
+                              : fmt::format("device {} is unit {} alone; if all units are this "
+                                            "device, say one_device = true",
+                                            device.name, device.address));
     }
   }
   return text;
@@ -58,11 +59,11 @@ std::string waits_text(const gateway::Settings& settings) {
     const bus::BusSettings& bus = settings.buses[at];
     const auto devices = settings.devices_on(drive::BusId{static_cast<std::uint32_t>(at)});
     const bus::Duration longest = bus::longest_transaction(bus, devices);
-    text += "\nbus " + bus.name + ": writes have " + rounded(gateway::write_deadline(longest)) +
-            " by default; a stop is sent " +
-            (bus.line.framing == bus::Framing::tcp
-                 ? "at once"
-                 : "within " + rounded(bus::longest_stop_wait(bus, devices)));
+    text += fmt::format("\nbus {}: writes have {} by default; a stop is sent {}", bus.name,
+                        rounded(gateway::write_deadline(longest)),
+                        bus.line.framing == bus::Framing::tcp
+                            ? "at once"
+                            : "within " + rounded(bus::longest_stop_wait(bus, devices)));
   }
   return text;
 }
@@ -70,18 +71,18 @@ std::string waits_text(const gateway::Settings& settings) {
 }  // namespace
 
 std::string check_summary(const gateway::Settings& settings) {
-  std::string text =
-      "configuration ok: " + number_of(settings.listeners.size(), "listener", "listeners") + ", " +
-      number_of(settings.buses.size(), "bus", "buses") + ", " +
-      number_of(settings.devices.size(), "device", "devices") + ", " +
-      number_of(settings.routes.size(), "route", "routes");
+  std::string text = fmt::format("configuration ok: {}, {}, {}, {}",
+                                 counted(settings.listeners.size(), "listener", "listeners"),
+                                 counted(settings.buses.size(), "bus", "buses"),
+                                 counted(settings.devices.size(), "device", "devices"),
+                                 counted(settings.routes.size(), "route", "routes"));
   if (!settings.rules.empty()) {
-    text.append("\n").append(rules_text(settings));
+    text += fmt::format("\n{}", rules_text(settings));
   }
   text += units_text(settings);
   text += waits_text(settings);
   for (const auto& need : needs(settings)) {
-    text.append("\n").append(need);
+    text += fmt::format("\n{}", need);
   }
   return text;
 }
@@ -106,25 +107,23 @@ bool is_of_dialout(std::string_view device) {
 }
 
 std::string text_of(const routing::ListenAddress& listen) {
-  const std::string address = listen.address.to_text();
-  return (listen.address.is_v4() ? address : "[" + address + "]") + ":" +
-         std::to_string(listen.port);
+  return host_and_port(listen.address.to_text(), listen.port);
 }
 
 void add_ports(const gateway::Settings& settings, std::vector<std::string>& found) {
   for (const auto& listener : settings.listeners) {
     if (is_privileged(listener.port)) {
-      found.push_back("needs port " + std::to_string(listener.port) + " (listener \"" +
-                      listener.name + "\"): mbgated.socket" +
-                      (settings.is_open_to_all(listener) ? ", for which it needs 'allow'" : "") +
-                      ", or the drop-in port-502.conf");
+      found.push_back(fmt::format(
+          "needs port {} (listener \"{}\"): mbgated.socket{}, or the drop-in port-502.conf",
+          listener.port, listener.name,
+          settings.is_open_to_all(listener) ? ", for which it needs 'allow'" : ""));
     }
   }
   for (const auto& listen : settings.http.listen) {
-    found.push_back("needs " + text_of(listen) + " ([http] listen): " +
-                    (is_privileged(listen.port)
-                         ? "mbgated-http.socket, or the drop-in port-502.conf"
-                         : "with the drop-in socket-only.conf, mbgated-http.socket"));
+    found.push_back(fmt::format("needs {} ([http] listen): {}", text_of(listen),
+                                is_privileged(listen.port)
+                                    ? "mbgated-http.socket, or the drop-in port-502.conf"
+                                    : "with the drop-in socket-only.conf, mbgated-http.socket"));
   }
 }
 
@@ -133,7 +132,7 @@ void add_lines(const gateway::Settings& settings, std::vector<std::string>& foun
   std::string buses;
   for (const auto& bus : settings.buses) {
     if (bus.line.remote) {
-      add_to(buses, "\"" + bus.name + "\"");
+      add_to(buses, fmt::format("\"{}\"", bus.name));
     } else if (is_of_dialout(bus.line.device)) {
       add_to(ports, bus.line.device);
     }
@@ -142,7 +141,8 @@ void add_lines(const gateway::Settings& settings, std::vector<std::string>& foun
     found.push_back("needs the group dialout: " + ports);
   }
   if (!buses.empty()) {
-    found.push_back("needs a network (bus " + buses + "): not with the drop-in socket-only.conf");
+    found.push_back(
+        fmt::format("needs a network (bus {}): not with the drop-in socket-only.conf", buses));
   }
 }
 
@@ -153,15 +153,18 @@ std::vector<std::string> needs(const gateway::Settings& settings) {
   add_ports(settings, found);
   add_lines(settings, found);
   if (std::ranges::any_of(settings.listeners, [](const auto& it) { return it.tls.has_value(); })) {
-    found.push_back("needs " + settings.signer + " ([gateway] signer): mbgate-signer.socket");
+    found.push_back(
+        fmt::format("needs {} ([gateway] signer): mbgate-signer.socket", settings.signer));
   }
   if (settings.lock_memory) {
     found.emplace_back("needs lock_memory: the drop-in realtime.conf");
   }
   const std::string& control = settings.control_socket;
   if (!control.empty() && !control.starts_with(kRuntimeFolder)) {
-    found.push_back("needs [http] socket = \"" + control +
-                    "\": ReadWritePaths= of its folder in a drop-in, or a path below /run/mbgate");
+    found.push_back(
+        fmt::format("needs [http] socket = \"{}\": ReadWritePaths= of its folder in a drop-in, or "
+                    "a path below /run/mbgate",
+                    control));
   }
   return found;
 }

@@ -2,6 +2,7 @@
 #include "config/diagnostic.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 #include <string_view>
 
 #include "config/sections/sections.hpp"
@@ -42,8 +43,7 @@ std::string caret_indent(std::string_view line, std::uint32_t column) {
 std::string headline(const Diagnostic& diagnostic) {
   std::string text = diagnostic.file + ":";
   if (diagnostic.position.line != 0) {
-    text += std::to_string(diagnostic.position.line) + ":" +
-            std::to_string(diagnostic.position.column) + ":";
+    text += fmt::format("{}:{}:", diagnostic.position.line, diagnostic.position.column);
   }
   text += diagnostic.severity == Severity::error ? " error: " : " warning: ";
   return text + diagnostic.message;
@@ -53,7 +53,7 @@ std::string render(const Diagnostic& diagnostic) {
   std::string text = headline(diagnostic) + "\n";
   if (diagnostic.position.line != 0) {
     const std::string line = printable(diagnostic.source_line);
-    text += line + "\n" + caret_indent(line, diagnostic.position.column) + "^\n";
+    text += fmt::format("{}\n{}^\n", line, caret_indent(line, diagnostic.position.column));
   }
   return text;
 }

@@ -2,6 +2,7 @@
 #include "ctl/command_line.hpp"
 
 #include <CLI/CLI.hpp>
+#include <fmt/core.h>
 #include <optional>
 #include <sstream>
 
@@ -29,7 +30,7 @@ std::variant<Command, Notice> parse_command_line(const std::string& version, int
   try {
     app.parse(count, arguments);
   } catch (const WrongUsage& error) {
-    return Notice{kExitUsage, std::string("mbgatectl: ") + error.what() + "\n"};
+    return Notice{kExitUsage, fmt::format("mbgatectl: {}\n", error.what())};
   } catch (const CLI::ParseError& error) {
     std::ostringstream text;
     const int status = app.exit(error, text, text);

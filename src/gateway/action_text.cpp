@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The text forms of actions.
+#include <fmt/format.h>
+
 #include "gateway/action.hpp"
 #include "modbus/describe.hpp"
 
@@ -12,7 +14,7 @@ struct ActionTexts : Handlers... {
 };
 
 std::string client_number(ClientId client) {
-  return "client " + std::to_string(static_cast<std::uint64_t>(client));
+  return fmt::format("client {}", fmt::underlying(client));
 }
 
 std::string named_bus(const Settings& settings, BusId bus) {
@@ -24,9 +26,9 @@ std::string named_bus(const Settings& settings, BusId bus) {
 std::string to_text(const Action& action, const Settings& settings) {
   return std::visit(
       ActionTexts{[&](const Send& a) {
-                    return client_number(a.client) + " < " +
-                           modbus::describe_mbap({a.adu.data(), a.adu.size()},
-                                                 modbus::Direction::response);
+                    return fmt::format("{} < {}", client_number(a.client),
+                                       modbus::describe_mbap({a.adu.data(), a.adu.size()},
+                                                             modbus::Direction::response));
                   },
                   [&](const Pause& a) { return client_number(a.client) + ": pause reading"; },
                   [&](const Resume& a) { return client_number(a.client) + ": resume reading"; },
@@ -34,9 +36,9 @@ std::string to_text(const Action& action, const Settings& settings) {
                   [&](const Open& a) { return named_bus(settings, a.bus) + ": open the line"; },
                   [&](const Look& a) { return named_bus(settings, a.bus) + ": look at the line"; },
                   [&](const Transmit& a) {
-                    return named_bus(settings, a.bus) + " > " +
-                           modbus::describe_rtu({a.frame.data(), a.frame.size()},
-                                                modbus::Direction::request);
+                    return fmt::format("{} > {}", named_bus(settings, a.bus),
+                                       modbus::describe_rtu({a.frame.data(), a.frame.size()},
+                                                            modbus::Direction::request));
                   },
                   [&](const Shut& a) { return named_bus(settings, a.bus) + ": close the line"; },
                   [&](const Report& a) { return to_text(a.event, settings); },

@@ -2,6 +2,7 @@
 #include "gateway/asked.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 #include <string_view>
 
 #include "gateway/limits.hpp"
@@ -42,15 +43,14 @@ std::string range_text(const modbus::TableRange& range) {
   std::string text(name_of(range.table, range.count == 1));
   text += std::to_string(range.first);
   if (range.count > 1) {
-    text += ".." + std::to_string(std::uint32_t{range.first} + range.count - 1);
+    text += fmt::format("..{}", std::uint32_t{range.first} + range.count - 1);
   }
   return text;
 }
 
 /// 22: the bits of the one stay, those of the other are set where they do not (6.16).
 std::string masks_text(Bytes pdu) {
-  return " and " + std::to_string(modbus::load_be16(pdu, 3)) + " or " +
-         std::to_string(modbus::load_be16(pdu, 5));
+  return fmt::format(" and {} or {}", modbus::load_be16(pdu, 3), modbus::load_be16(pdu, 5));
 }
 
 std::string values_text(const modbus::Request& request, const modbus::TableRange& range) {
@@ -62,21 +62,22 @@ std::string values_text(const modbus::Request& request, const modbus::TableRange
   for (std::size_t at = 0; at < told; ++at) {
     const auto value = request.written(static_cast<std::uint16_t>(range.first + at)).value_or(0);
     const bool is_set_coil = range.table == Table::coils && value != 0;
-    text += " " + std::to_string(is_set_coil ? 1 : value);
+    text += fmt::format(" {}", is_set_coil ? 1 : value);
   }
-  return range.count > told ? text + " and " + std::to_string(range.count - told) + " more" : text;
+  return range.count > told ? fmt::format("{} and {} more", text, range.count - told) : text;
 }
 
 /// What stands behind the function of a request that names no registers.
 std::string data_text(Bytes pdu) {
   if (pdu[0] == 0x08 && pdu.size() >= 3) {
-    return ", sub-function " + std::to_string(modbus::load_be16(pdu, 1));
+    return fmt::format(", sub-function {}", modbus::load_be16(pdu, 1));
   }
   const Bytes data = pdu.subspan(1);
   const bool is_long = data.size() > kToldValues;
-  return data.empty() ? std::string()
-                      : ", data " + modbus::hex(is_long ? data.first(kToldValues) : data) +
-                            (is_long ? " ..." : "");
+  return data.empty()
+             ? std::string()
+             : fmt::format(", data {}{}", modbus::hex(is_long ? data.first(kToldValues) : data),
+                           is_long ? " ..." : "");
 }
 
 std::string registers_text(const modbus::Request& request) {
@@ -85,8 +86,8 @@ std::string registers_text(const modbus::Request& request) {
     text += ", reads " + range_text(reads->range);
   }
   if (const auto& writes = request.writes()) {
-    text += (request.reads() ? ", writes " : ", ") + range_text(writes->range) +
-            values_text(request, writes->range);
+    text += fmt::format("{}{}{}", request.reads() ? ", writes " : ", ", range_text(writes->range),
+                        values_text(request, writes->range));
   }
   return text;
 }
@@ -113,13 +114,12 @@ std::string identity_text(const Asker& asker) {
   if (!asker.role.certificate.empty()) {
     text += ", certificate " + quoted(asker.role.certificate);
   }
-  return " (" + text + ")";
+  return fmt::format(" ({})", text);
 }
 
 std::string request_text(const Asked& asked) {
   const Bytes bytes(asked.pdu.data(), asked.pdu.size());
-  const std::string text =
-      "function " + std::to_string(bytes[0]) + " at unit " + std::to_string(asked.unit);
+  const std::string text = fmt::format("function {} at unit {}", bytes[0], asked.unit);
   const auto pdu = modbus::Pdu::from(bytes);
   const auto request = modbus::Request::parse(*pdu);
   const bool has_registers = request && (request->reads() || request->writes());

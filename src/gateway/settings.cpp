@@ -16,6 +16,12 @@ std::vector<std::size_t> all(std::size_t count) {
 
 }  // namespace
 
+std::string Settings::device_name(BusId bus, std::uint8_t address) const {
+  const auto device = std::ranges::find_if(
+      devices, [&](const drive::Device& it) { return it.bus == bus && it.address == address; });
+  return device == devices.end() ? std::string() : device->name;
+}
+
 std::vector<drive::Device> Settings::devices_on(BusId bus) const {
   std::vector<drive::Device> found;
   std::ranges::copy_if(devices, std::back_inserter(found),

@@ -142,6 +142,8 @@ struct Settings {
     return listener.allow.empty() && rules.empty();
   }
   [[nodiscard]] std::vector<drive::Device> devices_on(BusId bus) const;
+  /// Of the device at this address; empty if there is none.
+  [[nodiscard]] std::string device_name(BusId bus, std::uint8_t address) const;
   /// Those that are not removed, in the order of the configuration file.
   [[nodiscard]] std::vector<BusId> written_buses() const;
   [[nodiscard]] std::vector<const drive::Device*> written_devices() const;

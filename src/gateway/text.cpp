@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The text forms of events.
+#include "base/text.hpp"
+
 #include <algorithm>
 #include <bitset>
+#include <fmt/format.h>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -11,42 +15,14 @@
 namespace mbgate::gateway {
 namespace {
 
-std::string bus_text(const Settings& settings, BusId bus) {
-  return "bus " + settings.bus(bus).name;
-}
-
-std::string device_text(const Settings& settings, BusId bus, std::uint8_t address) {
-  for (const drive::Device& device : settings.devices) {
-    if (device.bus == bus && device.address == address) {
-      return "device " + device.name;
-    }
-  }
-  return bus_text(settings, bus) + ": address " + std::to_string(address);
-}
-
 std::string what_of(modbus::Table table) {
   return table == modbus::Table::coils ? "coils " : "holding registers ";
 }
 
-template <typename ClientEvent>
-std::string client_text(const Settings& settings, const ClientEvent& event) {
-  return "listener " + settings.listener(event.listener).name + ": client " +
-         event.address.to_text();
-}
-
-std::string asker_text(const Settings& settings, const Asker& asker) {
-  return client_text(settings, asker) + identity_text(asker);
-}
-
 std::string left_out_text(std::uint64_t left_out, const char* what) {
-  return left_out == 0 ? std::string()
-                       : "; " + std::to_string(left_out) + " more " + what +
-                             " since this was last said of the client";
-}
-
-std::string denied_text(const Settings& settings, const Denied& denied, const char* kind) {
-  return asker_text(settings, denied) + kind + request_text(denied) + ", " + denied.by +
-         left_out_text(denied.left_out, "were denied");
+  return left_out == 0
+             ? std::string()
+             : fmt::format("; {} more {} since this was last said of the client", left_out, what);
 }
 
 std::string_view reason_text(RefusalReason reason) {
@@ -65,27 +41,27 @@ std::string_view reason_text(RefusalReason reason) {
 }
 
 std::string seconds(Duration duration) {
-  return std::to_string(std::chrono::ceil<std::chrono::seconds>(duration).count()) + " s";
+  return fmt::format("{} s", std::chrono::ceil<std::chrono::seconds>(duration).count());
 }
 
 std::string notice_text(const bus::DeviceNotice& notice) {
   using Kind = bus::DeviceNotice::Kind;
   switch (notice.kind) {
     case Kind::lost:
-      return notice.answered_before
-                 ? "does not answer any more"
-                 : "no valid answer came so far, after " + std::to_string(notice.transmissions) +
-                       (notice.transmissions == 1 ? " transmission" : " transmissions");
+      return notice.answered_before ? "does not answer any more"
+                                    : fmt::format("no valid answer came so far, after {}",
+                                                  counted(notice.transmissions, "transmission"));
     case Kind::back: return notice.answered_before ? "answers again" : "answers";
     case Kind::late:
-      return "an answer came " + milliseconds_text(notice.lateness) +
-             " after its response timeout; after an unanswered request it is now left alone for " +
-             milliseconds_text(notice.quarantine);
+      return fmt::format(
+          "an answer came {} after its response timeout; after an unanswered request it is now "
+          "left alone for {}",
+          milliseconds_text(notice.lateness), milliseconds_text(notice.quarantine));
     case Kind::early: return "answers before its response_wait, which is set too long";
     case Kind::foreign:
-      return std::string(notice.is_request ? "a request to it was heard that nobody here sent"
-                                           : "a frame of it was heard that nobody here asked for") +
-             "; another client is on this line";
+      return fmt::format("{}; another client is on this line",
+                         notice.is_request ? "a request to it was heard that nobody here sent"
+                                           : "a frame of it was heard that nobody here asked for");
     case Kind::misfit:
       return "its answer does not fit the request (if it limits values: write_echo = \"address\")";
     case Kind::pauses:
@@ -133,7 +109,7 @@ std::string routed_text(const std::bitset<256>& routed) {
       ++last;
     }
     if (last - unit > 1) {
-      entries.push_back(std::to_string(unit) + "-" + std::to_string(last));
+      entries.push_back(fmt::format("{}-{}", unit, last));
       unit = last;
     } else if (routed[unit]) {
       entries.push_back(std::to_string(unit));
@@ -142,11 +118,9 @@ std::string routed_text(const std::bitset<256>& routed) {
   if (entries.empty()) {
     return "no unit is routed";
   }
-  std::string text = entries.size() == 1 && routed.count() == 1 ? "routed is " : "routed are ";
-  for (std::size_t at = 0; at < std::min(entries.size(), kShown); ++at) {
-    text += (at == 0 ? "" : ", ") + entries[at];
-  }
-  return entries.size() > kShown ? text + ", ..." : text;
+  const auto shown = std::span(entries).first(std::min(entries.size(), kShown));
+  return fmt::format("routed {} {}{}", routed.count() == 1 ? "is" : "are", fmt::join(shown, ", "),
+                     entries.size() > kShown ? ", ..." : "");
 }
 
 std::string fault_text(bus::LineFault fault) {
@@ -180,121 +154,142 @@ std::string fault_text(bus::LineFault fault) {
   return "";
 }
 
-struct EventText {
+/// What the journal calls them.
+struct Names {
   const Settings& settings;
 
-  std::string operator()(const BusOpened& e) const {
-    return bus_text(settings, e.bus) + " is open";
+  [[nodiscard]] std::string bus(BusId id) const { return "bus " + settings.bus(id).name; }
+  [[nodiscard]] std::string device(BusId id, std::uint8_t address) const {
+    const std::string name = settings.device_name(id, address);
+    return name.empty() ? fmt::format("{}: address {}", bus(id), address) : "device " + name;
   }
+  template <typename ClientEvent>
+  std::string client(const ClientEvent& event) const {
+    return fmt::format("listener {}: client {}", settings.listener(event.listener).name,
+                       event.address.to_text());
+  }
+  [[nodiscard]] std::string asker(const Asker& who) const {
+    return client(who) + identity_text(who);
+  }
+};
+
+std::string denied_text(const Names& names, const Denied& denied, const char* kind) {
+  return fmt::format("{}{}{}, {}{}", names.asker(denied), kind, request_text(denied), denied.by,
+                     left_out_text(denied.left_out, "were denied"));
+}
+
+struct EventText {
+  Names names;
+
+  std::string operator()(const BusOpened& e) const { return names.bus(e.bus) + " is open"; }
   std::string operator()(const BusLost& e) const {
-    return bus_text(settings, e.bus) + " is lost; it is being reopened";
+    return names.bus(e.bus) + " is lost; it is being reopened";
   }
   std::string operator()(const AdapterSilent& e) const {
-    return bus_text(settings, e.bus) + ": nothing at all was heard for " +
-           std::to_string(std::chrono::duration_cast<std::chrono::seconds>(e.silence).count()) +
-           " s, in which " + std::to_string(e.requests) +
-           " requests left; in case that the adapter hangs it is closed and opened again, "
-           "now and ever less often until something is heard";
+    return fmt::format(
+        "{}: nothing at all was heard for {} s, in which {} requests left; in case that the "
+        "adapter hangs it is closed and opened again, now and ever less often until something is "
+        "heard",
+        names.bus(e.bus), std::chrono::duration_cast<std::chrono::seconds>(e.silence).count(),
+        e.requests);
   }
   std::string operator()(const ConnectionReplaced& e) const {
-    return bus_text(settings, e.bus) + ": requests go out, but nothing has come for " +
-           seconds(bus::kSilenceToReplace) + "; the connection is replaced";
+    return fmt::format(
+        "{}: requests go out, but nothing has come for {}; the connection is replaced",
+        names.bus(e.bus), seconds(bus::kSilenceToReplace));
   }
   std::string operator()(const ClientRefused& e) const {
-    return client_text(settings, e) + " refused: " + std::string(reason_text(e.reason));
+    return fmt::format("{} refused: {}", names.client(e), reason_text(e.reason));
   }
   std::string operator()(const ClientDisplaced& e) const {
-    const ListenerSettings& listener = settings.listener(e.listener);
-    return client_text(settings, e) +
+    const ListenerSettings& listener = names.settings.listener(e.listener);
+    return names.client(e) +
            (e.limit == RefusalReason::full
-                ? " closed for a newcomer: max_connections (" +
-                      std::to_string(listener.max_connections) +
-                      ") is reached, and it had the most connections or had never asked anything"
-                : " closed for a newer connection of the same client: max_connections_per_address "
-                  "(" +
-                      std::to_string(listener.max_connections_per_address) + ") is reached");
+                ? fmt::format(" closed for a newcomer: max_connections ({}) is reached, and it had "
+                              "the most connections or had never asked anything",
+                              listener.max_connections)
+                : fmt::format(" closed for a newer connection of the same client: "
+                              "max_connections_per_address ({}) is reached",
+                              listener.max_connections_per_address));
   }
   std::string operator()(const ClientOverRate& e) const {
-    return client_text(settings, e) + " sends more than max_requests_per_second (" +
-           std::to_string(settings.listener(e.listener).max_requests_per_second) +
-           "): requests beyond that get exception 06, stops excepted";
+    return fmt::format(
+        "{} sends more than max_requests_per_second ({}): requests beyond that get exception 06, "
+        "stops excepted",
+        names.client(e), names.settings.listener(e.listener).max_requests_per_second);
   }
   std::string operator()(const ClientFramingLost& e) const {
-    return client_text(settings, e) + " closed: MBAP length " + std::to_string(e.length) +
-           " is not 2 to 254";
+    return fmt::format("{} closed: MBAP length {} is not 2 to 254", names.client(e), e.length);
   }
   std::string operator()(const ClientSpeaksRtu& e) const {
-    return client_text(settings, e) +
+    return names.client(e) +
            " sends RTU frames to the Modbus TCP port; it must be set to Modbus TCP";
   }
   std::string operator()(const ClientFrameTimedOut& e) const {
-    return client_text(settings, e) + " closed: a request stayed incomplete";
+    return names.client(e) + " closed: a request stayed incomplete";
   }
   std::string operator()(const LineNews& e) const {
-    return bus_text(settings, e.bus) + ": " + fault_text(e.fault);
+    return fmt::format("{}: {}", names.bus(e.bus), fault_text(e.fault));
   }
   std::string operator()(const LineNeverSilent& e) const {
-    return bus_text(settings, e.bus) +
+    return names.bus(e.bus) +
            " is never silent: another client, wrong baud rate, missing termination or bias";
   }
   std::string operator()(const Reconfigured& e) const {
-    return device_text(settings, e.bus, e.address) + ": client " + e.client.to_text() +
-           (e.by_value
-                ? " has written a value that restores or rearranges it, or takes it off the line"
-                : " has written its communication registers");
+    return fmt::format(
+        "{}: client {}{}", names.device(e.bus, e.address), e.client.to_text(),
+        e.by_value ? " has written a value that restores or rearranges it, or takes it off the line"
+                   : " has written its communication registers");
   }
   std::string operator()(const WriteEndedEarly& e) const {
-    return device_text(settings, e.bus, e.address) + ": a write of " + what_of(e.table) +
-           std::to_string(e.first) + " to " + std::to_string(e.end - 1) +
-           " ended early; written up to " + std::to_string(e.failed - 1);
+    return fmt::format("{}: a write of {}{} to {} ended early; written up to {}",
+                       names.device(e.bus, e.address), what_of(e.table), e.first, e.end - 1,
+                       e.failed - 1);
   }
   std::string operator()(const WordOrderDiffers& e) const {
-    return device_text(settings, e.bus, e.address) +
+    return names.device(e.bus, e.address) +
            ": its own word order is not the one configured; values are not written to it";
   }
   std::string operator()(const DeviceNews& e) const {
-    return device_text(settings, e.bus, e.notice.address) + ": " + notice_text(e.notice);
+    return fmt::format("{}: {}", names.device(e.bus, e.notice.address), notice_text(e.notice));
   }
   std::string operator()(const QualityNews& e) const {
-    return (e.notice.address ? device_text(settings, e.bus, *e.notice.address)
-                             : bus_text(settings, e.bus)) +
-           ": " + quality_text(e.notice);
+    return fmt::format("{}: {}",
+                       e.notice.address ? names.device(e.bus, *e.notice.address) : names.bus(e.bus),
+                       quality_text(e.notice));
   }
   std::string operator()(const FailsafeNews& e) const {
-    return device_text(settings, e.bus, e.address) + ": " + failsafe_text(e);
+    return fmt::format("{}: {}", names.device(e.bus, e.address), failsafe_text(e));
   }
   std::string operator()(const UnitNotRouted& e) const {
-    return client_text(settings, e) + " asks for unit " + std::to_string(e.unit) + "; " +
-           routed_text(e.routed);
+    return fmt::format("{} asks for unit {}; {}", names.client(e), e.unit, routed_text(e.routed));
   }
-  std::string operator()(const Denied& e) const { return denied_text(settings, e, ": "); }
-  std::string operator()(const StopDenied& e) const {
-    return denied_text(settings, e, ": a stop, ");
-  }
+  std::string operator()(const Denied& e) const { return denied_text(names, e, ": "); }
+  std::string operator()(const StopDenied& e) const { return denied_text(names, e, ": a stop, "); }
   std::string operator()(const WriteAccepted& e) const {
-    return asker_text(settings, e) + (e.is_stop ? " stops" : " writes") +
-           (e.target ? " (" + device_text(settings, e.target->bus, e.target->address) + "): "
-                     : std::string(": ")) +
-           request_text(e);
+    return fmt::format(
+        "{} {}{}: {}", names.asker(e), e.is_stop ? "stops" : "writes",
+        e.target ? fmt::format(" ({})", names.device(e.target->bus, e.target->address)) : "",
+        request_text(e));
   }
   std::string operator()(const BroadcastLeavesOut& e) const {
-    return asker_text(settings, e) + (e.is_stop ? " stops" : " writes") +
-           " by broadcast, but not devices " + e.devices + ": " + request_text(e);
+    return fmt::format("{}{} by broadcast, but not devices {}: {}", names.asker(e),
+                       e.is_stop ? " stops" : " writes", e.devices, request_text(e));
   }
   std::string operator()(const CountersCleared& e) const {
-    return asker_text(settings, e) + " has cleared all counters: " + request_text(e) +
-           left_out_text(e.left_out, "times");
+    return fmt::format("{} has cleared all counters: {}{}", names.asker(e), request_text(e),
+                       left_out_text(e.left_out, "times"));
   }
   std::string operator()(const ClientLoggedIn& e) const {
-    return asker_text(settings, e) + " has logged in with its certificate" +
-           left_out_text(e.left_out, "logins");
+    return fmt::format("{} has logged in with its certificate{}", names.asker(e),
+                       left_out_text(e.left_out, "logins"));
   }
 };
 
 }  // namespace
 
 std::string to_text(const Event& event, const Settings& settings) {
-  return std::visit(EventText{settings}, event);
+  return std::visit(EventText{{settings}}, event);
 }
 
 }  // namespace mbgate::gateway

@@ -10,6 +10,8 @@
 #include <system_error>
 #include <utility>
 
+#include "sys/unique_fd.hpp"
+
 namespace mbgate::io {
 namespace {
 
@@ -27,11 +29,8 @@ BootTimer::BootTimer(boost::asio::io_context& context, std::function<void()> on_
     : timer_(context, make_timer()), on_ring_(std::move(on_ring)) {}
 
 void BootTimer::set(bus::Duration after) {
-  const bus::Duration left = std::max(after, bus::Duration(1));  // 0 would disarm it
-  const auto seconds = std::chrono::floor<std::chrono::seconds>(left);
-  itimerspec to{};
-  to.it_value.tv_sec = seconds.count();
-  to.it_value.tv_nsec = (left - seconds).count();
+  // 0 would disarm it.
+  const itimerspec to{{}, sys::timespec_of(std::max(after, bus::Duration(1)))};
   ::timerfd_settime(timer_.native_handle(), 0, &to, nullptr);
   if (!std::exchange(waits_, true)) {
     wait();

@@ -18,18 +18,6 @@ namespace {
 constexpr std::chrono::milliseconds kGatherTime{100};
 constexpr std::size_t kGatherSize = 65536;
 
-/// 0, or the error number.
-int write_all(int file, std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t count = ::write(file, text.data(), text.size());
-    if (count < 0 && errno != EINTR) {
-      return errno;
-    }
-    text.remove_prefix(count < 0 ? 0 : static_cast<std::size_t>(count));
-  }
-  return 0;
-}
-
 }  // namespace
 
 /// What the two threads share. Nobody holds the lock while it writes, and the io thread never waits
@@ -71,7 +59,7 @@ void Recorder::write_until_closed(const std::shared_ptr<Shared>& shared) {
     writing.clear();
     writing.swap(shared->waiting);
     lock.unlock();
-    const int error = write_all(shared->file.get(), writing);
+    const int error = sys::write_all(shared->file.get(), writing);
     lock.lock();
     shared->error = error;
     shared->wake.wait_for(lock, kGatherTime, [&] {

@@ -3,6 +3,7 @@
 
 #include <boost/asio/co_spawn.hpp>
 #include <exception>
+#include <fmt/core.h>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -18,7 +19,7 @@ void supervise(boost::asio::io_context& context, boost::asio::awaitable<void> co
     try {
       std::rethrow_exception(error);
     } catch (const std::exception& exception) {
-      throw std::runtime_error(std::string(name) + ": " + exception.what());
+      throw std::runtime_error(fmt::format("{}: {}", name, exception.what()));
     }
   });
 }

@@ -2,7 +2,7 @@
 
 #include "modbus/codes.hpp"
 
-#include <cstdio>
+#include <fmt/core.h>
 
 namespace mbgate::modbus {
 
@@ -64,13 +64,9 @@ std::string_view exception_name(std::uint8_t code) {
 }
 
 std::string exception_text(std::uint8_t code) {
-  char number[24];
-  std::snprintf(number, sizeof number, "exception 0x%02X", code);
-  std::string text = number;
-  if (const auto name = exception_name(code); !name.empty()) {
-    text.append(" (").append(name).append(")");
-  }
-  return text;
+  const auto name = exception_name(code);
+  return name.empty() ? fmt::format("exception 0x{:02X}", code)
+                      : fmt::format("exception 0x{:02X} ({})", code, name);
 }
 
 }  // namespace mbgate::modbus

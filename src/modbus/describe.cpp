@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "modbus/describe.hpp"
 
-#include <cstdio>
+#include <fmt/format.h>
 
 #include "modbus/mbap.hpp"
 #include "modbus/response.hpp"
@@ -10,33 +10,30 @@
 namespace mbgate::modbus {
 namespace {
 
-template <typename... Values>
-std::string format(const char* pattern, Values... values) {
-  char text[96];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
-
 std::string name_of(std::uint8_t function) {
   const auto name = function_name(function);
-  return name.empty() ? format("function %u", unsigned{function}) : std::string(name);
+  return name.empty() ? fmt::format("function {}", function) : std::string(name);
 }
 
-std::string opaque(Bytes pdu) { return name_of(pdu[0]) + format(", %zu bytes", pdu.size() - 1); }
+std::string opaque(Bytes pdu) {
+  return fmt::format("{}, {} bytes", name_of(pdu[0]), pdu.size() - 1);
+}
 
-std::string malformed(Bytes pdu) { return name_of(pdu[0]) + ", malformed: " + hex(pdu); }
+std::string malformed(Bytes pdu) {
+  return fmt::format("{}, malformed: {}", name_of(pdu[0]), hex(pdu));
+}
 
 std::string range_text(const TableRange& range) {
   const unsigned first = range.first;
-  return range.count == 1 ? format(" %u", first)
-                          : format(" %u..%u", first, first + range.count - 1U);
+  return range.count == 1 ? fmt::format(" {}", first)
+                          : fmt::format(" {}..{}", first, first + range.count - 1U);
 }
 
 std::string registers(Bytes data) {
   const std::size_t count = data.size() / 2;
-  std::string text = format(count == 1 ? "%zu register:" : "%zu registers:", count);
+  std::string text = fmt::format("{} register{}:", count, count == 1 ? "" : "s");
   for (std::size_t at = 0; at + 1 < data.size(); at += 2) {
-    text += format(" 0x%04X", unsigned{load_be16(data, at)});
+    text += fmt::format(" 0x{:04X}", load_be16(data, at));
   }
   return text;
 }
@@ -45,7 +42,7 @@ std::string written(const Request& request) {
   const Bytes bytes = request.pdu().bytes();
   const std::uint8_t function = request.function();
   if (function == 0x05 || function == 0x06) {
-    return format(" = 0x%04X", unsigned{load_be16(bytes, 3)});
+    return fmt::format(" = 0x{:04X}", load_be16(bytes, 3));
   }
   if (function == 0x10) {
     return " = " + registers(bytes.subspan(6));
@@ -59,26 +56,20 @@ std::string body(Bytes pdu, Direction direction) {
 
 }  // namespace
 
-std::string hex(Bytes bytes) {
-  std::string text;
-  for (const std::uint8_t byte : bytes) {
-    text += format(text.empty() ? "%02X" : " %02X", unsigned{byte});
-  }
-  return text;
-}
+std::string hex(Bytes bytes) { return fmt::format("{:02X}", fmt::join(bytes, " ")); }
 
 std::string describe_request(Bytes pdu) {
   const auto whole = Pdu::from(pdu);
   if (!whole) {
-    return format("no PDU: %zu bytes", pdu.size());
+    return fmt::format("no PDU: {} bytes", pdu.size());
   }
   const auto request = Request::parse(*whole);
   if (!request) {
     return malformed(pdu);
   }
   if (request->function() == 0x17) {
-    return name_of(pdu[0]) + ", reads" + range_text(request->reads()->range) + ", writes" +
-           range_text(request->writes()->range);
+    return fmt::format("{}, reads{}, writes{}", name_of(pdu[0]),
+                       range_text(request->reads()->range), range_text(request->writes()->range));
   }
   if (request->reads()) {
     return name_of(pdu[0]) + range_text(request->reads()->range);
@@ -108,11 +99,10 @@ std::string describe_response(Bytes pdu) {
     case 0x04:
     case 0x17: return pdu.size() % 2 == 0 ? registers(pdu.subspan(2)) : malformed(pdu);
     case 0x05:
-    case 0x06: return name_of(pdu[0]) + " " + std::to_string(load_be16(pdu, 1)) + " done";
+    case 0x06: return fmt::format("{} {} done", name_of(pdu[0]), load_be16(pdu, 1));
     case 0x0F:
     case 0x10:
-      return name_of(pdu[0]) + " " + std::to_string(load_be16(pdu, 1)) + ": " +
-             std::to_string(load_be16(pdu, 3)) + " done";
+      return fmt::format("{} {}: {} done", name_of(pdu[0]), load_be16(pdu, 1), load_be16(pdu, 3));
     default: return opaque(pdu);
   }
 }
@@ -122,21 +112,21 @@ std::string describe_rtu(Bytes frame, Direction direction) {
   if (!adu) {
     return "no RTU frame (size or CRC): " + hex(frame);
   }
-  return format("unit %u: ", unsigned{adu->address}) + body(adu->pdu.bytes(), direction);
+  return fmt::format("unit {}: {}", adu->address, body(adu->pdu.bytes(), direction));
 }
 
 std::string describe_mbap(Bytes adu, Direction direction) {
   const MbapScan scan = scan_mbap(adu);
   if (const auto* frame = std::get_if<MbapFrame>(&scan)) {
     const MbapHeader& header = frame->adu.header;
-    return format("transaction %u unit %u: ", unsigned{header.transaction}, unsigned{header.unit}) +
-           body(frame->adu.pdu.bytes(), direction);
+    return fmt::format("transaction {} unit {}: {}", header.transaction, header.unit,
+                       body(frame->adu.pdu.bytes(), direction));
   }
   if (const auto* foreign = std::get_if<MbapForeign>(&scan)) {
-    return format("protocol identifier %u instead of 0: ", unsigned{foreign->protocol}) + hex(adu);
+    return fmt::format("protocol identifier {} instead of 0: {}", foreign->protocol, hex(adu));
   }
   if (const auto* lost = std::get_if<MbapLost>(&scan)) {
-    return format("length %u, not 2 to 254: ", unsigned{lost->length}) + hex(adu);
+    return fmt::format("length {}, not 2 to 254: {}", lost->length, hex(adu));
   }
   return "incomplete: " + hex(adu);
 }

@@ -4,7 +4,8 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
-#include <charconv>
+
+#include "base/text.hpp"
 
 namespace mbgate::routing {
 namespace {
@@ -85,14 +86,11 @@ std::optional<Network> Network::parse(std::string_view text) {
   const bool v4 = text.substr(0, slash).find(':') == std::string_view::npos;
   unsigned prefix = v4 ? 32 : kAllBits;
   if (slash != std::string_view::npos) {
-    const auto digits = text.substr(slash + 1);
-    const auto* end = digits.data() + digits.size();
-    unsigned given = 0;
-    const auto [at, error] = std::from_chars(digits.data(), end, given);
-    if (error != std::errc{} || at != end || given > prefix) {
+    const auto given = integer_in<unsigned>(text.substr(slash + 1));
+    if (!given || *given > prefix) {
       return std::nullopt;
     }
-    prefix = given;
+    prefix = *given;
   }
   if (v4) {
     prefix += kV4Prefix;

@@ -3,15 +3,50 @@
 // then the owner must be on a thread that may wait.
 #pragma once
 
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
+#include <cstdint>
+#include <ctime>
+#include <optional>
+#include <span>
+#include <string_view>
 #include <utility>
 
 namespace mbgate::sys {
 
 /// True if a call that failed with this errno can be repeated later: the descriptor has not failed.
 inline bool would_block(int error) { return error == EAGAIN || error == EINTR; }
+
+/// Bytes that were sent without waiting; nothing if the connection is broken, and errno says why.
+inline std::optional<std::size_t> send_now(int socket, std::span<const std::uint8_t> bytes) {
+  const ssize_t count = ::send(socket, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  if (count >= 0) {
+    return static_cast<std::size_t>(count);
+  }
+  return would_block(errno) ? std::optional<std::size_t>(0) : std::nullopt;
+}
+
+/// A time to wait, as the system's calls want it.
+inline timespec timespec_of(std::chrono::nanoseconds time) {
+  const auto whole = std::chrono::floor<std::chrono::seconds>(time);
+  return {static_cast<std::time_t>(whole.count()),
+          static_cast<decltype(timespec::tv_nsec)>((time - whole).count())};
+}
+
+/// 0, or the error number.
+inline int write_all(int descriptor, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t count = ::write(descriptor, text.data(), text.size());
+    if (count < 0 && errno != EINTR) {
+      return errno;
+    }
+    text.remove_prefix(count < 0 ? 0 : static_cast<std::size_t>(count));
+  }
+  return 0;
+}
 
 class UniqueFd {
  public:

@@ -70,7 +70,7 @@ BENCH = GATEWAY | SYS | {"sim"}
 BENCH_TESTS = {"support/gateway_harness.hpp"}
 
 PURE_MODULES = {"modbus", "drive", "routing", "bus", "gateway"}
-PURE_BOOST = ("boost/container/", "boost/intrusive/", "boost/system/")
+PURE_LIBRARIES = ("boost/container/", "boost/intrusive/", "boost/system/", "fmt/")
 # A pure module has no clock of its own, no thread, no socket, no file and no terminal.
 IMPURE_STANDARD = {
     "atomic", "barrier", "condition_variable", "coroutine", "ctime", "filesystem", "fstream", "future", "iostream",
@@ -83,6 +83,7 @@ IMPURE_WORDS = re.compile(r"_clock::now\b|\bclock_gettime\b|\bgetenv\b|\bstd::ra
 LIBRARIES = (
     (r"boost/asio", r"src/(io|app)/|src/(sim|ctl)/(main|shell|.*_shell|pty.*)\.|tests/unit/(io|app)/|"
      r"tests/fuzz/http\.cpp"),
+    (r"fmt/", r"src/(?!sys/|drive/|routing/|bus/|signer/)"),  # not where no text is made, nor beside private keys
     (r"toml\+\+", r"src/config/toml/toml_reader\."),
     (r"systemd/", r"src/app/(systemd|journal/journal)\."),
     (r"modbus/modbus\.h|modbus\.h", r"src/ctl/|tests/integration/"),
@@ -101,7 +102,7 @@ MOST_LINES = 300
 MOST_UNITS = 20
 # Lines of tests that are not unit tests, by folders.
 PROOFS = {10_500: ("world", "judge"), 13_500: ("world", "judge", "simulation", "explore")}
-MOST_SOURCE_LINES, MOST_SOURCES = 61_500, 585  # of src/: less when something goes, never more without a word in docs/decisions
+MOST_SOURCE_LINES, MOST_SOURCES = 61_400, 582  # of src/: less when something goes, never more without a word in docs/decisions
 MOST_PATCHES = 30
 MOST_PAGE = 200
 
@@ -152,7 +153,7 @@ def check_libraries(path, header):
 
 def check_purity(path, header):
     """A system include in a pure module: only what has no outside."""
-    if (path, header) in PURE_EXCEPTIONS or header.startswith(PURE_BOOST):
+    if (path, header) in PURE_EXCEPTIONS or header.startswith(PURE_LIBRARIES):
         return []
     if "/" in header or header.endswith(".h") or header in IMPURE_STANDARD:
         return [f"{path}: includes <{header}>, but this module is pure"]

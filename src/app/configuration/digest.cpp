@@ -2,6 +2,7 @@
 #include "app/configuration/digest.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 #include <string_view>
 
 #include "io/tls/fingerprint.hpp"
@@ -50,7 +51,7 @@ std::string digest_command(const std::vector<config::TextFile>& files,
 
 std::string in_force_text(const std::string& digest, const std::string& before) {
   return "configuration in force: sha256 " +
-         (before.empty() || before == digest ? digest : before + " -> " + digest);
+         (before.empty() || before == digest ? digest : fmt::format("{} -> {}", before, digest));
 }
 
 }  // namespace mbgate::app

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bitset>
+#include <fmt/core.h>
 
 #include "config/toml/duration_text.hpp"
 
@@ -14,14 +15,15 @@ using routing::AddressWindow;
 using routing::Route;
 
 std::string range_of(std::uint32_t first, std::uint32_t last) {
-  return std::to_string(first) + (first == last ? "" : ".." + std::to_string(last));
+  return std::to_string(first) + (first == last ? "" : fmt::format("..{}", last));
 }
 
 std::string title_of(const Settings& settings, const Route& route) {
   const bool is_one = route.first_unit == route.last_unit;
-  return (is_one ? "route of unit " : "route of units ") +
-         range_of(route.first_unit, route.last_unit) +
-         (route.listener ? " (listener " + settings.listener(*route.listener).name + ")" : "");
+  return fmt::format(
+      "{}{}{}", is_one ? "route of unit " : "route of units ",
+      range_of(route.first_unit, route.last_unit),
+      route.listener ? fmt::format(" (listener {})", settings.listener(*route.listener).name) : "");
 }
 
 std::string target_of(const Settings& settings, const Route& route) {
@@ -32,8 +34,7 @@ std::string target_of(const Settings& settings, const Route& route) {
   for (const drive::BusId bus : route.buses) {
     text += (text.empty() ? "bus " : ", ") + settings.bus(bus).name;
   }
-  return route.is_broadcast() ? text
-                              : text + " from address " + std::to_string(route.first_address);
+  return route.is_broadcast() ? text : fmt::format("{} from address {}", text, route.first_address);
 }
 
 std::string functions_of(const Settings& settings, const Route& route) {
@@ -70,9 +71,9 @@ std::string table_name(modbus::Table table) {
 std::string windows_of(const Route& route) {
   std::string text;
   for (const AddressWindow& window : route.windows) {
-    text += (text.empty() ? "" : " ") + table_name(window.table) +
-            range_of(window.from, window.from + window.count - 1) + "=" +
-            table_name(window.to_table) + std::to_string(window.to);
+    text += fmt::format("{}{}{}={}{}", text.empty() ? "" : " ", table_name(window.table),
+                        range_of(window.from, window.from + window.count - 1),
+                        table_name(window.to_table), window.to);
   }
   return text.empty() ? "all" : text;
 }
@@ -102,8 +103,8 @@ std::string differences_of(const Settings& old, const Route& before, const Setti
   std::string text;
   for (std::size_t key = 0; key < is.size(); ++key) {
     if (was[key].second != is[key].second) {
-      text += (text.empty() ? "" : ", ") + std::string(is[key].first) + was[key].second + " -> " +
-              is[key].second;
+      text += fmt::format("{}{}{} -> {}", text.empty() ? "" : ", ", is[key].first, was[key].second,
+                          is[key].second);
     }
   }
   return text.empty() ? "functions of its own" : text;  // named now, or no more
@@ -130,14 +131,14 @@ std::vector<std::string> route_changes(const Settings& old, const Settings& next
     });
     const std::string title = title_of(next, route);
     if (before == gone.end()) {
-      changes.push_back(title + " added: " + target_of(next, route));
+      changes.push_back(fmt::format("{} added: {}", title, target_of(next, route)));
     } else {
-      changes.push_back(title + ": " + differences_of(old, *before, next, route));
+      changes.push_back(fmt::format("{}: {}", title, differences_of(old, *before, next, route)));
       gone.erase(before);
     }
   }
   for (const Route& route : gone) {
-    changes.push_back(title_of(old, route) + " removed: " + target_of(old, route));
+    changes.push_back(fmt::format("{} removed: {}", title_of(old, route), target_of(old, route)));
   }
   return changes;
 }

@@ -7,6 +7,7 @@
 #include <boost/asio/post.hpp>
 #include <chrono>
 #include <exception>
+#include <fmt/core.h>
 #include <new>
 #include <utility>
 
@@ -110,7 +111,7 @@ std::string Control::listen_at(const std::string& path) {
     boost::asio::post(*home_, [this, acceptor] { server_->doors().open(acceptor); });
   } catch (const std::exception& exception) {
     remove_socket();
-    return "control socket " + path + ": " + exception.what();
+    return fmt::format("control socket {}: {}", path, exception.what());
   }
   return {};
 }

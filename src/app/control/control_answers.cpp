@@ -3,6 +3,7 @@
 
 #include <boost/beast/http.hpp>
 #include <boost/json/serialize.hpp>
+#include <fmt/core.h>
 
 #include "app/text.hpp"
 
@@ -37,14 +38,6 @@ std::string_view query_of(const HttpRequest& request) {
   return mark == std::string_view::npos ? std::string_view() : target.substr(mark + 1);
 }
 
-std::optional<std::string_view> last_event_id(const HttpRequest& request) {
-  const auto found = request.find("Last-Event-ID");
-  if (found == request.end()) {
-    return std::nullopt;
-  }
-  return std::string_view(found->value().data(), found->value().size());
-}
-
 HttpResponse wrong_method(const HttpRequest& request, const char* allowed) {
   HttpResponse response = answer(request, http::status::method_not_allowed,
                                  error_json(std::string("expected ") + allowed));
@@ -59,9 +52,8 @@ bool is_command_failed(const HttpRequest& request, http::status status) {
 
 std::string denied_text(const HttpRequest& request, http::status status) {
   constexpr std::size_t kLongest = 64;
-  return "POST " + valid_utf8(path_of(request).substr(0, kLongest)) + " was answered " +
-         std::to_string(static_cast<unsigned>(status)) + " " +
-         std::string(http::obsolete_reason(status));
+  return fmt::format("POST {} was answered {} {}", valid_utf8(path_of(request).substr(0, kLongest)),
+                     static_cast<unsigned>(status), http::obsolete_reason(status));
 }
 
 }  // namespace mbgate::app

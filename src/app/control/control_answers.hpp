@@ -22,7 +22,15 @@ HttpResponse wrong_method(const HttpRequest& request, const char* allowed);
 
 std::string_view path_of(const HttpRequest& request);
 std::string_view query_of(const HttpRequest& request);
-std::optional<std::string_view> last_event_id(const HttpRequest& request);
+/// The value of a header field; `field`: its name, or Beast's number for it.
+template <typename Field>
+std::optional<std::string_view> value_of(const boost::beast::http::request_header<>& request,
+                                         Field field) {
+  const auto found = request.find(field);
+  return found == request.end() ? std::nullopt
+                                : std::optional<std::string_view>(
+                                      std::in_place, found->value().data(), found->value().size());
+}
 
 /// Did a command come to nothing? What a refused reload says stands in the journal.
 bool is_command_failed(const HttpRequest& request, boost::beast::http::status status);

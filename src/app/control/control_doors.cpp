@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <chrono>
 #include <filesystem>
+#include <fmt/core.h>
 #include <new>
 #include <string_view>
 #include <utility>
@@ -54,12 +55,15 @@ std::string forbidden() {
   constexpr std::string_view kBody =
       R"({"error":"this address may not read: it is not in [http] allow"})"
       "\n";
-  return "HTTP/1.1 403 Forbidden\r\n"
-         "Content-Type: application/json\r\n"
-         "Cache-Control: no-store\r\n"
-         "Connection: close\r\n"
-         "Content-Length: " +
-         std::to_string(kBody.size()) + "\r\n\r\n" + std::string(kBody);
+  return fmt::format(
+      "HTTP/1.1 403 Forbidden\r\n"
+      "Content-Type: application/json\r\n"
+      "Cache-Control: no-store\r\n"
+      "Connection: close\r\n"
+      "Content-Length: {}\r\n"
+      "\r\n"
+      "{}",
+      kBody.size(), kBody);
 }
 
 ClientAddress address_of(const tcp::endpoint& peer) {
@@ -207,8 +211,8 @@ constexpr mode_t kOwnerAndGroup = 0660;
 constexpr int kBacklog = 64;
 
 std::string sentence(const std::string& path, const std::string& why) {
-  return "control socket " + path + ": " + why +
-         "; mbgatectl status, reload and events do not work";
+  return fmt::format("control socket {}: {}; mbgatectl status, reload and events do not work", path,
+                     why);
 }
 
 // Only a socket that nobody listens on any more refuses. Whatever else comes of it, somebody has
@@ -227,8 +231,8 @@ Result<stream_protocol::acceptor, std::string> open_control_socket(boost::asio::
                                                                    const std::string& path) {
   // As long as the kernel takes them, without the final zero.
   if (path.size() >= sizeof(sockaddr_un::sun_path)) {
-    return sentence(path, "the path is too long, expected less than " +
-                              std::to_string(sizeof(sockaddr_un::sun_path)) + " characters");
+    return sentence(path, fmt::format("the path is too long, expected less than {} characters",
+                                      sizeof(sockaddr_un::sun_path)));
   }
   const stream_protocol::endpoint endpoint(path);
   std::error_code no_status;

@@ -92,7 +92,7 @@ std::optional<Result<ControlServer::Stream, Refusal>> ControlServer::begin_strea
   if (auto full = streams_.refusal(over_tcp)) {
     return Refusal{http::status::service_unavailable, *std::move(full)};
   }
-  return is_of_events ? as_stream(events_.begin(last_event_id(request)))
+  return is_of_events ? as_stream(events_.begin(value_of(request, "Last-Event-ID")))
                       : as_stream(TraceStreams::begin(query_of(request)));
 }
 

@@ -5,12 +5,13 @@
 #include <boost/beast/http/status.hpp>
 #include <boost/json/object.hpp>
 #include <boost/json/serialize.hpp>
-#include <charconv>
+#include <fmt/core.h>
 #include <functional>
 #include <system_error>
 #include <utility>
 
 #include "app/text.hpp"
+#include "base/text.hpp"
 
 namespace mbgate::app {
 
@@ -23,14 +24,12 @@ Result<std::uint64_t, Refusal> EventStreams::begin(std::optional<std::string_vie
   if (!last_event_id) {
     return std::max(ring_.newest(), numbered_from_);
   }
-  std::uint64_t id = 0;
-  const char* const end = last_event_id->data() + last_event_id->size();
-  const auto [rest, error] = std::from_chars(last_event_id->data(), end, id);
-  if (error != std::errc() || rest != end) {
+  const auto id = integer_in<std::uint64_t>(*last_event_id);
+  if (!id) {
     return Refusal{boost::beast::http::status::bad_request,
                    "Last-Event-ID: expected the id of an event, a number"};
   }
-  return id >= numbered_from_ && id <= ring_.newest() ? id : numbered_from_;
+  return *id >= numbered_from_ && *id <= ring_.newest() ? *id : numbered_from_;
 }
 
 boost::asio::awaitable<void> EventStreams::feed(ControlStream& stream, std::uint64_t after) {
@@ -62,12 +61,11 @@ std::string event_text(const JournalEvent& event) {
 }
 
 std::string server_event(std::uint64_t id, std::string_view name, std::string_view data) {
-  return "id: " + std::to_string(id) + "\nevent: " + std::string(name) +
-         "\ndata: " + std::string(data) + "\n\n";
+  return fmt::format("id: {}\nevent: {}\ndata: {}\n\n", id, name, data);
 }
 
 std::string lost_text(std::uint64_t lost) {
-  return "event: lost\ndata: {\"lost\":" + std::to_string(lost) + "}\n\n";
+  return fmt::format("event: lost\ndata: {{\"lost\":{}}}\n\n", lost);
 }
 
 }  // namespace mbgate::app

@@ -3,6 +3,7 @@
 
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
+#include <fmt/core.h>
 #include <string>
 #include <utility>
 
@@ -21,8 +22,8 @@ std::optional<Refusal> refused_body(const Parser& parser) {
   }
   if (parser.content_length().value_or(0) > RequestReader::kLongestBody) {
     return Refusal{http::status::payload_too_large,
-                   "a body of more than " + std::to_string(RequestReader::kLongestBody) +
-                       " bytes: no request here needs one"};
+                   fmt::format("a body of more than {} bytes: no request here needs one",
+                               RequestReader::kLongestBody)};
   }
   return std::nullopt;
 }

@@ -4,11 +4,11 @@
 #include <boost/json/array.hpp>
 #include <boost/json/string.hpp>
 #include <boost/json/value.hpp>
+#include <fmt/core.h>
 #include <optional>
 #include <string_view>
 
 #include "app/text.hpp"
-#include "base/text.hpp"
 #include "gateway/status/diagnosis.hpp"
 
 namespace mbgate::app {
@@ -101,7 +101,7 @@ object exceptions_json(const bus::ExceptionCounts& exceptions) {
   object json;
   for (std::uint8_t code = 1; code <= bus::ExceptionCounts::kLastCode; ++code) {
     if (exceptions.of(code) > 0) {
-      json[hex_text(code, 2)] = exceptions.of(code);
+      json[fmt::format("{:02X}", code)] = exceptions.of(code);
     }
   }
   if (exceptions.others() > 0) {

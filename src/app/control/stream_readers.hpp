@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <fmt/core.h>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -123,14 +124,15 @@ class StreamPlaces {
   [[nodiscard]] std::optional<std::string> refusal(bool over_tcp) const {
     const std::size_t taken = *of_socket_ + *of_tcp_;
     if (taken >= most_) {
-      return std::to_string(taken) +
-             " clients follow events or the trace already, [http] max_streams allows " +
-             std::to_string(most_);
+      return fmt::format(
+          "{} clients follow events or the trace already, [http] max_streams allows {}", taken,
+          most_);
     }
     if (over_tcp && *of_tcp_ >= most_over_tcp()) {
-      return std::to_string(*of_tcp_) +
-             " clients follow events or the trace over TCP already, [http] max_streams = " +
-             std::to_string(most_) + " allows " + std::to_string(most_over_tcp()) + " there";
+      return fmt::format(
+          "{} clients follow events or the trace over TCP already, [http] max_streams = {} allows "
+          "{} there",
+          *of_tcp_, most_, most_over_tcp());
     }
     return std::nullopt;
   }

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <fmt/core.h>
 
+#include "app/control/control_answers.hpp"
 #include "app/text.hpp"
 #include "routing/client_address.hpp"
 
@@ -31,18 +33,9 @@ std::string without_port(std::string_view host) {
   return in_small_letters(host.substr(0, host.find(':')));
 }
 
-template <typename Field>
-std::optional<std::string_view> value_of(const http::request_header<>& request, Field field) {
-  const auto found = request.find(field);
-  if (found == request.end()) {
-    return std::nullopt;
-  }
-  return std::string_view(found->value().data(), found->value().size());
-}
-
 Refusal foreign(std::string_view from, const char* header) {
   return {http::status::forbidden,
-          "asked by a page from elsewhere, \"" + valid_utf8(from) + "\" (" + header + ")"};
+          fmt::format("asked by a page from elsewhere, \"{}\" ({})", valid_utf8(from), header)};
 }
 
 /// Does somebody go to the status page by a link elsewhere? It is shown to nobody but that person.
@@ -67,7 +60,7 @@ bool is_stream_for_no_reader(const http::request_header<>& request) {
 std::optional<Refusal> refused_everywhere(const http::request_header<>& request) {
   const auto hosts = request.count(http::field::host);
   if (hosts > 1 || (hosts == 0 && request.version() > kVersionWithoutHost)) {
-    return Refusal{http::status::bad_request, "expected one Host, found " + std::to_string(hosts)};
+    return Refusal{http::status::bad_request, fmt::format("expected one Host, found {}", hosts)};
   }
   const auto site = value_of(request, "Sec-Fetch-Site");
   if (site && *site != "same-origin" && *site != "none" && !is_link_to_page(request)) {
@@ -114,8 +107,9 @@ std::optional<Refusal> refused_over_tcp(const http::request_header<>& request,
   const auto host = value_of(request, http::field::host);
   if (host && !is_own_host(*host, hosts)) {
     return Refusal{http::status::misdirected_request,
-                   "this machine does not go by the name \"" + valid_utf8(*host) +
-                       "\": ask for its address, or add the name to [http] hosts"};
+                   fmt::format("this machine does not go by the name \"{}\": ask for its address, "
+                               "or add the name to [http] hosts",
+                               valid_utf8(*host))};
   }
   const auto origin = value_of(request, http::field::origin);
   if (origin && !(host && is_same_origin(*origin, *host))) {

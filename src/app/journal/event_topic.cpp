@@ -2,6 +2,7 @@
 #include "app/journal/event_topic.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <string>
 #include <type_traits>
 #include <variant>
@@ -80,93 +81,9 @@ MessageId id_of_refusal(gateway::RefusalReason reason) {
   return {};
 }
 
-struct EventTopic {
+struct Topics {
   const gateway::Settings& settings;
 
-  Topic operator()(const gateway::BusOpened& e) const { return on_bus(message_id::kBusOpened, e); }
-  Topic operator()(const gateway::BusLost& e) const { return on_bus(message_id::kBusLost, e); }
-  Topic operator()(const gateway::AdapterSilent& e) const {
-    return on_bus(message_id::kAdapterSilent, e);
-  }
-  Topic operator()(const gateway::ConnectionReplaced& e) const {
-    return on_bus(message_id::kConnectionReplaced, e);
-  }
-  Topic operator()(const gateway::ClientRefused& e) const {
-    return of_client(id_of_refusal(e.reason), e);
-  }
-  Topic operator()(const gateway::ClientDisplaced& e) const {
-    return of_client(message_id::kClientDisplaced, e);
-  }
-  Topic operator()(const gateway::ClientOverRate& e) const {
-    return of_client(message_id::kClientOverRate, e);
-  }
-  Topic operator()(const gateway::ClientFramingLost& e) const {
-    return of_client(message_id::kClientFramingLost, e);
-  }
-  Topic operator()(const gateway::ClientSpeaksRtu& e) const {
-    return of_client(message_id::kClientSpeaksRtu, e);
-  }
-  Topic operator()(const gateway::ClientFrameTimedOut& e) const {
-    return of_client(message_id::kClientFrameTimedOut, e);
-  }
-  Topic operator()(const gateway::LineNews& e) const { return on_bus(id_of_fault(e.fault), e); }
-  Topic operator()(const gateway::LineNeverSilent& e) const {
-    return on_bus(message_id::kLineNeverSilent, e);
-  }
-  Topic operator()(const gateway::Reconfigured& e) const {
-    Topic topic = of_device(message_id::kReconfigured, e.bus, e.address);
-    topic.client = e.client.to_text();
-    return topic;
-  }
-  Topic operator()(const gateway::WriteEndedEarly& e) const {
-    return of_device(message_id::kWriteEndedEarly, e.bus, e.address);
-  }
-  Topic operator()(const gateway::WordOrderDiffers& e) const {
-    return of_device(message_id::kWordOrderDiffers, e.bus, e.address);
-  }
-  Topic operator()(const gateway::DeviceNews& e) const {
-    return of_device(id_of_notice(e.notice), e.bus, e.notice.address);
-  }
-  Topic operator()(const gateway::QualityNews& e) const {
-    const MessageId id = id_of_quality(e.notice);
-    return e.notice.address ? of_device(id, e.bus, *e.notice.address) : on_bus(id, e);
-  }
-  Topic operator()(const gateway::FailsafeNews& e) const {
-    return of_device(id_of_outcome(e.outcome), e.bus, e.address);
-  }
-  Topic operator()(const gateway::UnitNotRouted& e) const {
-    return of_client(message_id::kUnitNotRouted, e);
-  }
-  Topic operator()(const gateway::ReadDenied& e) const {
-    return of_request(message_id::kRequestDenied, e);
-  }
-  Topic operator()(const gateway::WriteDenied& e) const {
-    return of_request(message_id::kRequestDenied, e);
-  }
-  Topic operator()(const gateway::StopDenied& e) const {
-    return of_request(message_id::kStopDenied, e);
-  }
-  Topic operator()(const gateway::WriteAccepted& e) const {
-    Topic topic = of_request(message_id::kWriteAccepted, e);
-    if (e.target) {
-      const Topic target = of_device({}, e.target->bus, e.target->address);
-      topic.bus = target.bus;
-      topic.device = target.device;
-      topic.address = target.address;
-    }
-    return topic;
-  }
-  Topic operator()(const gateway::BroadcastLeavesOut& e) const {
-    return of_request(message_id::kBroadcastLeavesOut, e);
-  }
-  Topic operator()(const gateway::CountersCleared& e) const {
-    return of_request(message_id::kCountersCleared, e);
-  }
-  Topic operator()(const gateway::ClientLoggedIn& e) const {
-    return of_asker(message_id::kClientLoggedIn, e);
-  }
-
- private:
   [[nodiscard]] Topic on_bus(MessageId id, const auto& event) const {
     return {.id = id, .bus = settings.bus(event.bus).name};
   }
@@ -188,20 +105,79 @@ struct EventTopic {
     return topic;
   }
   [[nodiscard]] Topic of_device(MessageId id, gateway::BusId bus, std::uint8_t address) const {
-    const auto device = std::ranges::find_if(settings.devices, [&](const drive::Device& candidate) {
-      return candidate.bus == bus && candidate.address == address;
-    });
     return {.id = id,
             .bus = settings.bus(bus).name,
-            .device = device == settings.devices.end() ? std::string() : device->name,
+            .device = settings.device_name(bus, address),
             .address = std::to_string(address)};
   }
+  [[nodiscard]] Topic of_write(const gateway::WriteAccepted& write) const {
+    Topic topic = of_request(message_id::kWriteAccepted, write);
+    if (write.target) {
+      const Topic target = of_device({}, write.target->bus, write.target->address);
+      topic.bus = target.bus;
+      topic.device = target.device;
+      topic.address = target.address;
+    }
+    return topic;
+  }
+};
+
+template <typename... Cases>
+struct Overloaded : Cases... {
+  using Cases::operator()...;
 };
 
 }  // namespace
 
 Topic topic_of(const gateway::Event& event, const gateway::Settings& settings) {
-  return std::visit(EventTopic{settings}, event);
+  using namespace gateway;
+  using namespace message_id;
+  const Topics topics{settings};
+  return std::visit(
+      Overloaded{
+          [&](const BusOpened& e) { return topics.on_bus(kBusOpened, e); },
+          [&](const BusLost& e) { return topics.on_bus(kBusLost, e); },
+          [&](const AdapterSilent& e) { return topics.on_bus(kAdapterSilent, e); },
+          [&](const ConnectionReplaced& e) { return topics.on_bus(kConnectionReplaced, e); },
+          [&](const ClientRefused& e) { return topics.of_client(id_of_refusal(e.reason), e); },
+          [&](const ClientDisplaced& e) { return topics.of_client(kClientDisplaced, e); },
+          [&](const ClientOverRate& e) { return topics.of_client(kClientOverRate, e); },
+          [&](const ClientFramingLost& e) { return topics.of_client(kClientFramingLost, e); },
+          [&](const ClientSpeaksRtu& e) { return topics.of_client(kClientSpeaksRtu, e); },
+          [&](const ClientFrameTimedOut& e) { return topics.of_client(kClientFrameTimedOut, e); },
+          [&](const LineNews& e) { return topics.on_bus(id_of_fault(e.fault), e); },
+          [&](const LineNeverSilent& e) { return topics.on_bus(kLineNeverSilent, e); },
+          [&](const Reconfigured& e) {
+            Topic topic = topics.of_device(kReconfigured, e.bus, e.address);
+            topic.client = e.client.to_text();
+            return topic;
+          },
+          [&](const WriteEndedEarly& e) {
+            return topics.of_device(kWriteEndedEarly, e.bus, e.address);
+          },
+          [&](const WordOrderDiffers& e) {
+            return topics.of_device(kWordOrderDiffers, e.bus, e.address);
+          },
+          [&](const DeviceNews& e) {
+            return topics.of_device(id_of_notice(e.notice), e.bus, e.notice.address);
+          },
+          [&](const QualityNews& e) {
+            const MessageId id = id_of_quality(e.notice);
+            return e.notice.address ? topics.of_device(id, e.bus, *e.notice.address)
+                                    : topics.on_bus(id, e);
+          },
+          [&](const FailsafeNews& e) {
+            return topics.of_device(id_of_outcome(e.outcome), e.bus, e.address);
+          },
+          [&](const UnitNotRouted& e) { return topics.of_client(kUnitNotRouted, e); },
+          [&](const ReadDenied& e) { return topics.of_request(kRequestDenied, e); },
+          [&](const WriteDenied& e) { return topics.of_request(kRequestDenied, e); },
+          [&](const StopDenied& e) { return topics.of_request(kStopDenied, e); },
+          [&](const WriteAccepted& e) { return topics.of_write(e); },
+          [&](const BroadcastLeavesOut& e) { return topics.of_request(kBroadcastLeavesOut, e); },
+          [&](const CountersCleared& e) { return topics.of_request(kCountersCleared, e); },
+          [&](const ClientLoggedIn& e) { return topics.of_asker(kClientLoggedIn, e); }},
+      event);
 }
 
 namespace {
@@ -228,12 +204,12 @@ std::string kind_of(const gateway::Event& event) {
       [&](const auto& value) {
         std::string kind = std::to_string(event.index());
         if constexpr (requires { value.bus, value.address; }) {
-          return kind + " bus " + std::to_string(static_cast<std::uint32_t>(value.bus)) +
-                 " address " + std::to_string(value.address);
+          return fmt::format("{} bus {} address {}", kind, fmt::underlying(value.bus),
+                             value.address);
         } else if constexpr (requires { value.bus; }) {
-          return kind + " bus " + std::to_string(static_cast<std::uint32_t>(value.bus));
+          return fmt::format("{} bus {}", kind, fmt::underlying(value.bus));
         } else {
-          return kind + " listener " + std::to_string(static_cast<std::uint32_t>(value.listener));
+          return fmt::format("{} listener {}", kind, fmt::underlying(value.listener));
         }
       },
       event);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/journal/journal.hpp"
 
+#include <fmt/core.h>
+
 // An entry is about the plant; which line of the source wrote it is of no use to an operator.
 #define SD_JOURNAL_SUPPRESS_LOCATION
 #include <sys/stat.h>
@@ -30,7 +32,7 @@ bool is_standard_error_the_journal() {
   if (stream == nullptr || ::fstat(STDERR_FILENO, &status) != 0) {
     return false;
   }
-  return std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino) == stream;
+  return fmt::format("{}:{}", status.st_dev, status.st_ino) == stream;
 }
 
 bool send_to_journal(const std::vector<std::string>& fields) {
@@ -48,13 +50,13 @@ bool send_to_journal(const std::vector<std::string>& fields) {
 
 std::vector<std::string> journal_fields(Level level, const std::string& text, const Topic& topic) {
   std::vector<std::string> fields{
-      "MESSAGE=" + text, "PRIORITY=" + std::to_string(static_cast<int>(level)),
+      "MESSAGE=" + text, fmt::format("PRIORITY={}", static_cast<int>(level)),
       "SYSLOG_IDENTIFIER=mbgated",
       "SYSLOG_FACILITY=3",  // daemon, as systemd says of what is written to standard error
   };
   const auto add = [&](const char* name, std::string_view value) {
     if (!value.empty()) {
-      fields.push_back(std::string(name) + '=' + std::string(value));
+      fields.push_back(fmt::format("{}={}", name, value));
     }
   };
   add("MESSAGE_ID", topic.id.hex);

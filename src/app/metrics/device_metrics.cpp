@@ -124,22 +124,6 @@ void add_devices(MetricBook& book, const gateway::StatusReport& report) {
   }
 }
 
-namespace {
-
-struct BusRefusal {
-  const char* reason;
-  std::uint64_t bus::BusCounters::*member;
-};
-
-constexpr std::array kRefusals = {
-    BusRefusal{"queue_full", &bus::BusCounters::refused_full},
-    BusRefusal{"device_offline", &bus::BusCounters::refused_offline},
-    BusRefusal{"deadline", &bus::BusCounters::expired},
-    BusRefusal{"evicted", &bus::BusCounters::evicted},
-};
-
-}  // namespace
-
 void add_bus(MetricBook& book, const gateway::BusStatus& bus) {
   const Labels of_bus{{"bus", bus.name}};
   Labels info{
@@ -160,14 +144,10 @@ void add_bus(MetricBook& book, const gateway::BusStatus& bus) {
               "How long the request has waited that waits longest; stops apart."},
              of_bus, seconds_of(bus.longest_waiting));
   for (const bus::CounterKind& counter : bus::kBusCounters) {
-    if (counter.metric != nullptr) {
-      book.counter({counter.metric, counter.help}, of_bus, bus.counters.*counter.member);
-    }
-  }
-  for (const BusRefusal& refusal : kRefusals) {
-    book.counter({"mbgate_bus_refused_requests_total",
-                  "Requests that were never sent, or not again, by reason."},
-                 {{"bus", bus.name}, {"reason", refusal.reason}}, bus.counters.*refusal.member);
+    const bool is_one_of_several = counter.reason != nullptr;
+    book.counter({counter.metric, counter.help},
+                 is_one_of_several ? with(of_bus, "reason", counter.reason) : of_bus,
+                 bus.counters.*counter.member);
   }
   if (bus.is_serial) {
     book.histogram({"mbgate_bus_silence_seconds", "Silence on the line before each transmission."},

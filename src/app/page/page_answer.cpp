@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <boost/beast/http/field.hpp>
+#include <fmt/core.h>
 #include <string>
 
 namespace mbgate::app {
@@ -65,7 +66,7 @@ std::optional<PageResponse> page_answer(const http::request<http::string_body>& 
   if (request.method() != http::verb::get && !is_head) {
     response = wrong_method(request);
   } else {
-    const std::string tag = '"' + std::string(file->hash) + '"';
+    const std::string tag = fmt::format("\"{}\"", file->hash);
     response.set(http::field::etag, tag);
     response.set(http::field::cache_control, "no-cache");
     response.set(http::field::content_type, type_of(file->name));

@@ -2,6 +2,7 @@
 #include "app/tls/certificates.hpp"
 
 #include <chrono>
+#include <fmt/core.h>
 #include <utility>
 
 namespace mbgate::app {
@@ -10,7 +11,7 @@ namespace {
 void add_change(std::string& all, const char* key, const std::string& old,
                 const std::string& next) {
   if (old != next) {
-    all += (all.empty() ? "" : ", ") + std::string(key) + " " + old + " -> " + next;
+    all += fmt::format("{}{} {} -> {}", all.empty() ? "" : ", ", key, old, next);
   }
 }
 
@@ -50,7 +51,7 @@ std::vector<std::string> Certificates::changes(const io::TlsContexts& next) cons
     add_change(all, "authorities", before.authorities, after.authorities);
     add_change(all, "crl", before.lists, after.lists);
     if (!all.empty()) {
-      changes.push_back("[[tls]] " + name + ": " + all);
+      changes.push_back(fmt::format("[[tls]] {}: {}", name, all));
     }
   }
   return changes;
@@ -69,8 +70,9 @@ void Certificates::tell_refusal(const std::string& listener, const io::TlsPlace&
   ++failures_[listener];
   const std::string client = place.address.to_text();
   // Its first words say of which kind it is: many that are refused do not hide one that was ended.
-  log_.write_limited(Level::warning, "tls refusal " + listener + why.substr(0, why.find(':')),
-                     "listener " + listener + ": client " + client + ": " + why,
+  log_.write_limited(Level::warning,
+                     fmt::format("tls refusal {}{}", listener, why.substr(0, why.find(':'))),
+                     fmt::format("listener {}: client {}: {}", listener, client, why),
                      {.id = message_id::kTlsRefused, .client = client, .listener = listener});
 }
 

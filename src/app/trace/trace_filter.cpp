@@ -2,10 +2,11 @@
 #include "app/trace/trace_filter.hpp"
 
 #include <algorithm>
-#include <charconv>
+#include <fmt/core.h>
 #include <system_error>
 #include <utility>
 
+#include "base/text.hpp"
 #include "modbus/mbap.hpp"
 
 namespace mbgate::app {
@@ -20,15 +21,12 @@ std::optional<std::string> decoded(std::string_view text) {
       continue;
     }
     constexpr std::size_t kDigits = 2;
-    constexpr int kHexadecimal = 16;
     const std::string_view digits = text.substr(at + 1, kDigits);
-    unsigned char byte = 0;
-    const auto [end, error] =
-        std::from_chars(digits.data(), digits.data() + digits.size(), byte, kHexadecimal);
-    if (error != std::errc() || digits.size() != kDigits || end != digits.data() + kDigits) {
+    const auto byte = integer_in<unsigned char>(digits, 16);
+    if (!byte || digits.size() != kDigits) {
       return std::nullopt;
     }
-    plain += static_cast<char>(byte);
+    plain += static_cast<char>(*byte);
     at += kDigits;
   }
   return plain;
@@ -49,22 +47,17 @@ std::string set(TraceFilter& filter, std::string_view key, const std::string& va
     filter.device = value;
   } else if (key == "client") {
     filter.client = routing::ClientAddress::parse(value);
-    return filter.client ? "" : "client=" + value + ": expected an IP address";
+    return filter.client ? "" : fmt::format("client={}: expected an IP address", value);
   } else if (key == "function") {
-    std::uint8_t function = 0;
-    const char* const end = value.data() + value.size();
-    const auto [rest, error] = std::from_chars(value.data(), end, function);
-    if (error != std::errc() || rest != end) {
-      return "function=" + value + ": expected a number, 0 to 255";
-    }
-    filter.function = function;
+    filter.function = integer_in<std::uint8_t>(value);
+    return filter.function ? "" : fmt::format("function={}: expected a number, 0 to 255", value);
   } else if (key == "only" && value == "failed") {
     filter.only_failed = true;
   } else if (key == "events" && value == "1") {
     filter.with_journal = true;
   } else {
-    return std::string(key) + "=" + value +
-           ": expected bus=, device=, client=, function=, only=failed or events=1";
+    return fmt::format("{}={}: expected bus=, device=, client=, function=, only=failed or events=1",
+                       key, value);
   }
   return {};
 }
@@ -78,7 +71,7 @@ Result<TraceFilter, std::string> TraceFilter::parse(std::string_view query) {
     const std::string_view key = take_before(value, '=');
     const auto plain = decoded(value);
     std::string wrong = plain ? set(filter, key, *plain)
-                              : std::string(key) + ": a % stands before two hexadecimal digits";
+                              : fmt::format("{}: a % stands before two hexadecimal digits", key);
     if (!wrong.empty()) {
       return {boost::system::in_place_error, std::move(wrong)};
     }

@@ -2,6 +2,7 @@
 #include "app/who/who_options.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 
 #include "config/toml/match_entry.hpp"
 #include "gateway/access/who.hpp"
@@ -58,14 +59,14 @@ Result<modbus::Pdu, std::string> asked_request(const WhoOptions& options) {
   if (!options.read.empty()) {
     const unsigned most = bits ? 2000 : 125;
     return range->count <= most ? Result<modbus::Pdu, std::string>(modbus::make_read(*range).pdu())
-                                : "--count: expected at most " + std::to_string(most);
+                                : fmt::format("--count: expected at most {}", most);
   }
   if (range->table == Table::discrete_inputs || range->table == Table::input_registers) {
     return "--write: expected a table that can be written, coils or holding";
   }
   const unsigned most = bits ? 1968 : 123;
   if (range->count > most) {
-    return "--count: expected at most " + std::to_string(most);
+    return fmt::format("--count: expected at most {}", most);
   }
   if (options.value > 0xFFFF || (bits && options.value > 1)) {
     return std::string(bits ? "--value: expected 0 or 1" : "--value: expected 0 to 65535");
@@ -78,20 +79,20 @@ std::string client_text(const WhoOptions& options, const routing::ClientRole& ro
   if (role.kind == routing::ClientRole::Kind::none) {
     return options.client;
   }
-  return options.client +
-         (role.certificate.empty() ? "" : " with certificate \"" + role.certificate + '"') +
-         (role.name.empty() ? " with the NULL role" : " as role \"" + role.name + '"');
+  return fmt::format(
+      "{}{}{}", options.client,
+      role.certificate.empty() ? "" : fmt::format(" with certificate \"{}\"", role.certificate),
+      role.name.empty() ? " with the NULL role" : fmt::format(" as role \"{}\"", role.name));
 }
 
 std::string asked_text(const WhoOptions& options, const std::string& client,
                        const std::string& listener, const modbus::Pdu& pdu) {
   const bool reads = !options.read.empty();
   const auto& words = reads ? options.read : options.write;
-  return client + " on " + listener + ": " + (reads ? "read " : "write ") + words[0] + ' ' +
-         words[1] +
-         (options.count > 1 ? " and " + std::to_string(options.count - 1) + " more" : "") +
-         " of unit " + std::to_string(options.unit) + " (function " +
-         std::to_string(pdu.function()) + "): ";
+  return fmt::format("{} on {}: {}{} {}{} of unit {} (function {}): ", client, listener,
+                     reads ? "read " : "write ", words[0], words[1],
+                     options.count > 1 ? fmt::format(" and {} more", options.count - 1) : "",
+                     options.unit, pdu.function());
 }
 
 // Where the key stands that has denied it, if that is known.
@@ -106,11 +107,12 @@ std::string place_text(const config::KeyPlaces& places, const gateway::DenyingKe
     case windows: place = places.routes.at(key.entry).windows; break;
     case writer: place = places.writers.at(key.entry); break;
   }
-  return place.empty() ? place : " (" + place + ")";
+  return place.empty() ? place : fmt::format(" ({})", place);
 }
 
 std::string answer_text(const gateway::WhoAnswer& answer, const config::KeyPlaces& places) {
-  return answer.by + (answer.key ? place_text(places, *answer.key) : "") + answer.consequence;
+  return fmt::format("{}{}{}", answer.by, answer.key ? place_text(places, *answer.key) : "",
+                     answer.consequence);
 }
 
 // A client has a role where there is TLS, and nowhere else.
@@ -154,7 +156,7 @@ Result<WhoAnswers, std::string> answer_who(const gateway::Settings& settings,
                     answer_text(answer, places) + '\n';
   }
   if (answers.text.empty()) {
-    return "--listener: no [[listen]] is named \"" + options.listener.value_or("") + '"';
+    return fmt::format("--listener: no [[listen]] is named \"{}\"", options.listener.value_or(""));
   }
   return answers;
 }

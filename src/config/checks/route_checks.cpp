@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Routes against the drives that they reach.
 #include <algorithm>
+#include <fmt/core.h>
 
 #include "config/sections/sections.hpp"
 #include "config/toml/match_entry.hpp"
@@ -24,16 +25,17 @@ void check_order_known(Draft& draft, std::size_t route, std::size_t at) {
   draft.routes[route].error("word_order",
                             "nobody says what " + in_quotes(device.name) +
                                 R"( speaks: add word_order = "big" or "little" to it at )" +
-                                place(draft.document, draft.devices[at].value_position("name")));
+                                draft.devices[at].place_of("name"));
 }
 
 /// A forgotten profile would leave every value in the drive's own order without a word.
 void check_order_matters(Draft& draft, std::size_t route, std::size_t at) {
   const auto& device = draft.settings.devices[at];
   if (!draft.devices[at].has("profile") && !has_values(device)) {
-    draft.routes[route].warning("word_order", "changes nothing: no values of " +
-                                                  in_quotes(device.name) +
-                                                  " are known; give it a 'profile' or 'values32'");
+    draft.routes[route].warning(
+        "word_order",
+        "changes nothing: no values of {} are known; give it a 'profile' or 'values32'",
+        in_quotes(device.name));
   }
 }
 
@@ -65,8 +67,8 @@ const drive::Value* value_across(const Device& device, Table table, std::uint32_
 
 void check_window(const Device& device, const AddressWindow& window, TomlTable& entry) {
   const auto text = [&](const drive::Value& value) {
-    return " within the value " + std::to_string(value.first) + " to " +
-           std::to_string(value.end() - 1) + " of " + in_quotes(device.name);
+    return fmt::format(" within the value {} to {} of {}", value.first, value.end() - 1,
+                       in_quotes(device.name));
   };
   if (const auto* value = value_across(device, window.to_table, window.to)) {
     entry.error("to", "the window begins" + text(*value));
@@ -127,11 +129,12 @@ void check_broadcast_mixed(Draft& draft, TomlTable& table, std::string_view key,
       if (first == nullptr) {
         first = &device;
       } else if (first->profile.name != device.profile.name) {
-        table.warning(key, in_quotes(first->name) + " (" + first->profile.name + ") and " +
-                               in_quotes(device.name) + " (" + device.profile.name +
-                               ") hear the same broadcast, and a register means different things "
-                               "to them: only stops are sent; broadcast_mixed = true lets all "
-                               "through");
+        table.warning(
+            key,
+            "{} ({}) and {} ({}) hear the same broadcast, and a register means different things to "
+            "them: only stops are sent; broadcast_mixed = true lets all through",
+            in_quotes(first->name), first->profile.name, in_quotes(device.name),
+            device.profile.name);
         break;
       }
     }

@@ -50,9 +50,9 @@ bool have_disjoint_roles(const AccessRule& rule) {
 void warn_of_undenied(Draft& draft, std::size_t at, ListenerId open) {
   draft.document.warning(
       draft.rules[at].position(),
-      "[[rule]]: denies nothing on listener " + in_quotes(draft.settings.listener(open).name) +
-          ", which has 'tls', because it names no role: give 'roles', any_role = "
-          "true, or 'listeners' without 'tls'");
+      "[[rule]]: denies nothing on listener {}, which has 'tls', because it names no role: give "
+      "'roles', any_role = true, or 'listeners' without 'tls'",
+      in_quotes(draft.settings.listener(open).name));
 }
 
 void check_roles(Draft& draft, std::size_t at) {

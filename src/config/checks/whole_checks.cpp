@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What only the whole configuration shows.
 #include <algorithm>
+#include <fmt/core.h>
 
 #include "config/sections/sections.hpp"
 #include "config/toml/duration_text.hpp"
@@ -34,10 +35,9 @@ void check_overlaps(Draft& draft) {
           routes[later].listener != routes[earlier].listener) {
         continue;
       }
-      draft.routes[later].error(
-          "unit", std::to_string(std::max(units->first, taken->first)) +
-                      " has a route already at " +
-                      place(draft.document, draft.routes[earlier].value_position("unit")));
+      draft.routes[later].error("unit", "{} has a route already at {}",
+                                std::max(units->first, taken->first),
+                                draft.routes[earlier].place_of("unit"));
       break;
     }
   }
@@ -101,10 +101,10 @@ void check_room(Draft& draft) {
     if (listener.max_connections_per_address >= listener.max_connections) {
       TomlTable& table = draft.listeners[i];
       const bool is_stated = table.has("max_connections_per_address");
-      table.warning(is_stated ? "max_connections_per_address" : "max_connections",
-                    "one client may take all " + std::to_string(listener.max_connections) +
-                        " connections: set max_connections_per_address (" +
-                        std::to_string(listener.max_connections_per_address) + ") below it");
+      table.warning(
+          is_stated ? "max_connections_per_address" : "max_connections",
+          "one client may take all {} connections: set max_connections_per_address ({}) below it",
+          listener.max_connections, listener.max_connections_per_address);
     }
   }
   const auto& guards = settings.guards;
@@ -186,9 +186,10 @@ void check_length(Draft& draft, std::size_t at) {
   const auto sensible = sensible_deadline(draft.settings, route);
   if (route.deadline && *route.deadline < sensible) {
     draft.routes[at].warning(
-        "deadline", to_text(*route.deadline) + " is shorter than " + to_text(sensible) +
-                        " (500ms, and twice the longest transaction of the bus): "
-                        "requests may give up behind one silent device or one lost answer");
+        "deadline",
+        "{} is shorter than {} (500ms, and twice the longest transaction of the bus): requests may "
+        "give up behind one silent device or one lost answer",
+        to_text(*route.deadline), to_text(sensible));
   }
 }
 
@@ -235,9 +236,10 @@ void check_repeated_writes(Draft& draft, std::size_t at) {
   }
   const auto after = repeated_after(draft, device);
   const auto explain = [&](Duration deadline) {
-    return "a write is repeated " + to_text(after) +
-           " after it was sent (response timeout and quarantine), and its deadline is " +
-           to_text(deadline) + " after it came";
+    return fmt::format(
+        "a write is repeated {} after it was sent (response timeout and quarantine), and its "
+        "deadline is {} after it came",
+        to_text(after), to_text(deadline));
   };
   const auto standard = default_deadline(settings, device.bus);
   const bool by_listener = is_reached_by_listener(settings, device);
@@ -245,15 +247,15 @@ void check_repeated_writes(Draft& draft, std::size_t at) {
     // What a listener leads to is not helped by routes.
     const auto other =
         by_listener ? "" : ", or give its routes a deadline of more than " + to_text(after);
-    draft.devices[at].error("retry_writes", "does nothing: " + explain(standard) +
-                                                "; make the quarantine shorter" + other);
+    draft.devices[at].error("retry_writes", "does nothing: {}; make the quarantine shorter{}",
+                            explain(standard), other);
   }
   for (std::size_t i = 0; i < draft.routes.size(); ++i) {
     const auto& route = settings.routes[i];
     if (route.deadline && *route.deadline <= after && writes_reach(route, device)) {
-      draft.routes[i].error("deadline", "makes retry_writes of " + in_quotes(device.name) +
-                                            " do nothing: " + explain(*route.deadline) +
-                                            "; make it more than " + to_text(after));
+      draft.routes[i].error("deadline",
+                            "makes retry_writes of {} do nothing: {}; make it more than {}",
+                            in_quotes(device.name), explain(*route.deadline), to_text(after));
     }
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What only a whole profile shows.
 #include <algorithm>
+#include <fmt/core.h>
 #include <string>
 
 #include "config/profiles/profile_entries.hpp"
@@ -16,17 +17,16 @@ using drive::overlap;
 using drive::TableRange;
 
 std::string numbers(const ProfileFile& file, const TableRange& range) {
-  return file.number(range.table, range.first) + " to " +
-         file.number(range.table, drive::end_of(range) - 1);
+  return fmt::format("{} to {}", file.number(range.table, range.first),
+                     file.number(range.table, drive::end_of(range) - 1));
 }
 
 bool overlaps_another(ProfileDraft& draft, std::size_t at) {
   const auto& file = draft.file;
   const auto range = file.values[at].value.range();
   const auto clash = [&](std::string_view what, TomlTable& other) {
-    draft.value_tables[at].error(
-        "register", numbers(file, range) + " overlap the " + std::string(what) + " at " +
-                        place(draft.document, other.value_position("register")));
+    draft.value_tables[at].error("register", "{} overlap the {} at {}", numbers(file, range), what,
+                                 other.place_of("register"));
     return true;
   };
   for (std::size_t i = 0; i < at; ++i) {
@@ -55,9 +55,9 @@ void check_value(ProfileDraft& draft, std::size_t at) {
     return;
   }
   if (profile.is_special(range)) {
-    entry.error("register", numbers(draft.file, range) +
-                                " hold a stop, an opcode or its "
-                                "parameters, or a write that is never answered");
+    entry.error("register",
+                "{} hold a stop, an opcode or its parameters, or a write that is never answered",
+                numbers(draft.file, range));
     return;
   }
   if (profile.input_as_holding && range.table == Table::input_registers) {
@@ -70,8 +70,8 @@ void check_value(ProfileDraft& draft, std::size_t at) {
   for (const auto& group : profile.groups) {
     if (overlap(group, range) && !(contains(group, range.table, range.first) &&
                                    contains(group, range.table, drive::end_of(range) - 1))) {
-      entry.error("register", numbers(draft.file, range) + " cross a border of the group " +
-                                  numbers(draft.file, group));
+      entry.error("register", "{} cross a border of the group {}", numbers(draft.file, range),
+                  numbers(draft.file, group));
       return;
     }
   }
@@ -90,9 +90,8 @@ void check_guarded(ProfileDraft& draft) {
                                      numbers(draft.file, range) + " are no value of values32");
     } else if (!is_value && value != draft.file.values.end()) {
       draft.guarded_tables[at].error(
-          "register", draft.file.number(range.table, range.first) + " is a part of the value " +
-                          numbers(draft.file, value->value.range()) +
-                          ": give its first register, and registers = 2");
+          "register", "{} is a part of the value {}: give its first register, and registers = 2",
+          draft.file.number(range.table, range.first), numbers(draft.file, value->value.range()));
     }
   }
 }
@@ -102,10 +101,9 @@ void check_groups(ProfileDraft& draft) {
   for (std::size_t later = 0; later < groups.size(); ++later) {
     for (std::size_t earlier = 0; earlier < later; ++earlier) {
       if (overlap(groups[earlier].fact, groups[later].fact)) {
-        draft.group_tables[later].error(
-            "register",
-            numbers(draft.file, groups[later].fact) + " overlap the group at " +
-                place(draft.document, draft.group_tables[earlier].value_position("register")));
+        draft.group_tables[later].error("register", "{} overlap the group at {}",
+                                        numbers(draft.file, groups[later].fact),
+                                        draft.group_tables[earlier].place_of("register"));
       }
     }
   }
@@ -126,8 +124,7 @@ void check_limit(ProfileDraft& draft, std::string_view key, std::uint16_t limit,
                  std::uint8_t longest) {
   if (limit < longest) {
     auto limits = draft.root.table("limits");
-    limits->error(key, std::to_string(limit) + " would cut a value of " + std::to_string(longest) +
-                           " registers");
+    limits->error(key, "{} would cut a value of {} registers", limit, longest);
   }
 }
 
@@ -159,8 +156,7 @@ void check_word_order(ProfileDraft& draft) {
 void check_write_function(ProfileDraft& draft) {
   const auto& profile = draft.file.profile;
   if (profile.write_function && !profile.functions.test(*profile.write_function)) {
-    draft.root.error("write_function",
-                     std::to_string(*profile.write_function) + " is not among 'functions'");
+    draft.root.error("write_function", "{} is not among 'functions'", *profile.write_function);
   }
 }
 

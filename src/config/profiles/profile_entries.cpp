@@ -48,9 +48,8 @@ std::optional<drive::TableRange> read_range(const ProfileFile& file, TomlTable& 
     return std::nullopt;
   }
   if (*first + *count - 1 > kLastAddress) {
-    entry.error("register", std::to_string(*count) + " registers from " +
-                                file.number(*table, *first) + " on pass " +
-                                file.number(*table, kLastAddress) + ", the last of the table");
+    entry.error("register", "{} registers from {} on pass {}, the last of the table", *count,
+                file.number(*table, *first), file.number(*table, kLastAddress));
     return std::nullopt;
   }
   return drive::TableRange{*table, *first, static_cast<std::uint16_t>(*count)};
@@ -98,8 +97,8 @@ void read_guarded(ProfileDraft& draft, TomlTable& entry) {
   drive::GuardedWrite guarded{range.value_or(drive::TableRange{Table::holding_registers, 0, 1})};
   if (guarded.range.count > 2 ||
       (guarded.range.count == 2 && guarded.range.table == Table::coils)) {
-    entry.error("registers", std::to_string(guarded.range.count) +
-                                 " have no one value: expected 1, or 2 for a value of values32");
+    entry.error("registers", "{} have no one value: expected 1, or 2 for a value of values32",
+                guarded.range.count);
     return;
   }
   read_written(entry, guarded);
@@ -138,14 +137,12 @@ std::optional<std::uint16_t> read_register(const ProfileFile& file, TomlTable& e
   }
   const auto numbering = file.numbering.at(static_cast<std::size_t>(table));
   if (*number < numbering) {
-    entry.error(key, std::to_string(*number) + " is below " + std::to_string(numbering) +
-                         ", where the table begins ([numbering] " + std::string(table_word(table)) +
-                         ")");
+    entry.error(key, "{} is below {}, where the table begins ([numbering] {})", *number, numbering,
+                table_word(table));
     return std::nullopt;
   }
   if (*number > numbering + kLastAddress) {
-    entry.error(key, std::to_string(*number) + " is beyond " +
-                         std::to_string(numbering + kLastAddress) + ", where the table ends");
+    entry.error(key, "{} is beyond {}, where the table ends", *number, numbering + kLastAddress);
     return std::nullopt;
   }
   return static_cast<std::uint16_t>(*number - numbering);

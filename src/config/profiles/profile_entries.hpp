@@ -71,8 +71,7 @@ bool read_set(TomlTable& root, std::string_view key, std::string_view kind,
   for (const auto& element : *elements) {
     const auto* code = std::get_if<std::int64_t>(&element.data);
     if (code == nullptr || *code < 1 || *code >= static_cast<std::int64_t>(Size)) {
-      root.report_expected(key, element,
-                           std::string(kind) + " code from 1 to " + std::to_string(Size - 1));
+      root.report_expected(key, element, "{} code from 1 to {}", kind, Size - 1);
     } else {
       codes.set(static_cast<std::size_t>(*code));
     }

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <fmt/core.h>
 #include <tuple>
 #include <utility>
 
-#include "base/text.hpp"
 #include "config/profiles/profile_entries.hpp"
 #include "config/toml/match_entry.hpp"
 
@@ -169,7 +169,7 @@ void read_word_order_register(ProfileDraft& draft) {
   draft.file.word_order_line = read_manual_line(*table);
   for (const auto code : little) {
     if (std::ranges::find(big, code) != big.end()) {
-      table->error("little", std::to_string(code) + " stands for both orders");
+      table->error("little", "{} stands for both orders", code);
     }
   }
   if (address) {
@@ -276,7 +276,7 @@ LoadedProfile read(TomlDocument document) {
 
 std::string ProfileFile::number(modbus::Table table, std::uint32_t address) const {
   const auto first = numbering.at(static_cast<std::size_t>(table));
-  return first != 0 ? std::to_string(first + address) : "0x" + hex_text(address, 4);
+  return first != 0 ? std::to_string(first + address) : fmt::format("0x{:04X}", address);
 }
 
 LoadedProfile load_profile(const std::filesystem::path& path) {

@@ -2,6 +2,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <fmt/format.h>
 
 #include "config/sections/sections.hpp"
 #include "config/toml/duration_text.hpp"
@@ -12,13 +13,13 @@ namespace {
 void check_reopening(TomlTable& table, const bus::BusSettings& settings) {
   if (settings.reopen_max < settings.reopen_min) {
     table.error(table.has("reopen_max") ? "reopen_max" : "reopen_min",
-                "reopen_max (" + to_text(settings.reopen_max) + ") is shorter than reopen_min (" +
-                    to_text(settings.reopen_min) + ")");
+                "reopen_max ({}) is shorter than reopen_min ({})", to_text(settings.reopen_max),
+                to_text(settings.reopen_min));
   }
   if (settings.hung_max < settings.hung_after) {
     table.error(table.has("hung_max") ? "hung_max" : "hung_after",
-                "hung_max (" + to_text(settings.hung_max) + ") is shorter than hung_after (" +
-                    to_text(settings.hung_after) + ")");
+                "hung_max ({}) is shorter than hung_after ({})", to_text(settings.hung_max),
+                to_text(settings.hung_after));
   }
 }
 
@@ -27,9 +28,9 @@ void check_stop_deadline(TomlTable& table, const bus::BusSettings& settings) {
   const auto least = bus::least_stop_deadline(settings);
   if (settings.stop_deadline && *settings.stop_deadline < least) {
     table.error("stop_deadline",
-                to_text(*settings.stop_deadline) + " is shorter than " + to_text(least) +
-                    ": stop_wait and 1.1 times the longest frame at " +
-                    std::to_string(static_cast<std::uint32_t>(settings.line.baud)) + " baud");
+                "{} is shorter than {}: stop_wait and 1.1 times the longest frame at {} baud",
+                to_text(*settings.stop_deadline), to_text(least),
+                fmt::underlying(settings.line.baud));
   }
 }
 
@@ -39,10 +40,9 @@ void check_frame_gap(TomlTable& table, const bus::BusSettings& settings) {
   }
   const auto t3_5 = modbus::RtuTiming(settings.line.baud, settings.line.format).t3_5();
   if (settings.frame_gap && *settings.frame_gap < t3_5) {
-    table.warning("frame_gap", to_text(*settings.frame_gap) + " is shorter than t3.5, " +
-                                   to_text(t3_5) + " at " +
-                                   std::to_string(static_cast<std::uint32_t>(settings.line.baud)) +
-                                   " baud: only for devices that allow it");
+    table.warning("frame_gap",
+                  "{} is shorter than t3.5, {} at {} baud: only for devices that allow it",
+                  to_text(*settings.frame_gap), to_text(t3_5), fmt::underlying(settings.line.baud));
   }
 }
 
@@ -78,7 +78,7 @@ bool same_line(const bus::LineSettings& a, const bus::LineSettings& b) {
 }
 
 std::string line_text(const bus::LineSettings& line) {
-  return in_quotes(line.device.empty() ? line.remote->host + ":" + std::to_string(line.remote->port)
+  return in_quotes(line.device.empty() ? fmt::format("{}:{}", line.remote->host, line.remote->port)
                                        : line.device);
 }
 
@@ -93,11 +93,9 @@ void check_line(Draft& draft, const bus::BusSettings& settings) {
   TomlTable& other = draft.buses[static_cast<std::size_t>(same - all.begin())];
   const std::string line = line_text(settings.line);
   const std::string known = line_text(same->line);
-  draft.buses.back().error(key(draft.buses.back()),
-                           line + (line == known ? "" : ", the same line as " + known + ",") +
-                               " is taken already at " +
-                               place(draft.document, other.value_position(key(other))) +
-                               " by bus " + in_quotes(same->name));
+  draft.buses.back().error(key(draft.buses.back()), "{}{} is taken already at {} by bus {}", line,
+                           line == known ? "" : fmt::format(", the same line as {},", known),
+                           other.place_of(key(other)), in_quotes(same->name));
 }
 
 /// Of a Modbus TCP server that is reached over TLS.
@@ -136,8 +134,7 @@ void read_buses(Draft& draft) {
   for (auto table : draft.document.root().tables("bus")) {
     bus::BusSettings settings;
     draft.buses.push_back(table);
-    settings.name = read_name(table);
-    check_name(draft.buses, draft.settings.buses, settings.name);
+    settings.name = read_name(draft.buses, draft.settings.buses);
     const Lines lines = read_line(table, settings);
     read_peer(draft, table, settings.line, lines);
     check_line(draft, settings);
@@ -167,9 +164,9 @@ void check_longest_quarantine(TomlTable& table, bool inherited, drive::DeviceTim
   }
   for (const auto* key : {"quarantine_max", "quarantine", "response_timeout"}) {
     if (table.has(key)) {  // otherwise the error was reported at the bus
-      table.error(key, "quarantine_max (" + to_text(timing.quarantine_max) +
-                           ") is shorter than quarantine (" + to_text(first) +
-                           (timing.quarantine ? ")" : ", one more response timeout)"));
+      table.error(key, "quarantine_max ({}) is shorter than quarantine ({}{}",
+                  to_text(timing.quarantine_max), to_text(first),
+                  timing.quarantine ? ")" : ", one more response timeout)");
       return;
     }
   }
@@ -193,10 +190,10 @@ void check_probe_timeout(TomlTable& table, const drive::DeviceTiming& timing) {
   }
   for (const auto* key : {"probe_timeout", "response_timeout"}) {
     if (table.has(key)) {  // otherwise the error was reported at the bus
-      table.warning(key, "probe_timeout (" + to_text(*timing.probe_timeout) +
-                             ") is longer than response_timeout (" +
-                             to_text(timing.response_timeout) +
-                             "): an offline device is waited for longer than one that answers");
+      table.warning(key,
+                    "probe_timeout ({}) is longer than response_timeout ({}): an offline device is "
+                    "waited for longer than one that answers",
+                    to_text(*timing.probe_timeout), to_text(timing.response_timeout));
       return;
     }
   }

@@ -37,9 +37,8 @@ void check_address_free(Draft& draft, const drive::Device& device) {
   });
   if (same != all.end()) {
     const auto first = static_cast<std::size_t>(same - all.begin());
-    draft.devices.back().error(
-        "address", std::to_string(device.address) + " on this bus is taken already at " +
-                       place(draft.document, draft.devices[first].value_position("address")));
+    draft.devices.back().error("address", "{} on this bus is taken already at {}", device.address,
+                               draft.devices[first].place_of("address"));
   }
 }
 
@@ -65,10 +64,8 @@ void check_address_of_profile(const Draft& draft, TomlTable& table, const drive:
   const auto& profile = device.profile;
   if (device.address != 0 && !is_tcp(draft, device.bus) &&
       (device.address < profile.first_address || device.address > profile.last_address)) {
-    table.warning("address", std::to_string(device.address) + " is none of the addresses of " +
-                                 in_quotes(profile.name) + ", " +
-                                 std::to_string(profile.first_address) + " to " +
-                                 std::to_string(profile.last_address));
+    table.warning("address", "{} is none of the addresses of {}, {} to {}", device.address,
+                  in_quotes(profile.name), profile.first_address, profile.last_address);
   }
 }
 
@@ -81,9 +78,9 @@ void check_broadcast_address(Draft& draft) {
              other.profile.broadcast.form->address == devices[i].address;
     });
     if (hearer != devices.end()) {
-      draft.devices[i].error("address", std::to_string(devices[i].address) +
-                                            " is the address of broadcasts on this bus (" +
-                                            in_quotes(hearer->name) + " hears them there)");
+      draft.devices[i].error("address",
+                             "{} is the address of broadcasts on this bus ({} hears them there)",
+                             devices[i].address, in_quotes(hearer->name));
     }
   }
 }
@@ -98,8 +95,7 @@ void read_every_unit(Draft& draft) {
     const auto& stated = settings.buses[at].one_device;
     if (stated == true && count != 1) {
       draft.buses[at].error(
-          "one_device",
-          "true needs one [[device]] with this bus, and no other: found " + std::to_string(count));
+          "one_device", "true needs one [[device]] with this bus, and no other: found {}", count);
     } else if (count == 1 && settings.buses[at].line.framing == bus::Framing::tcp) {
       device->has_every_unit = stated.value_or(device->address == kLoneServer);
     }
@@ -112,8 +108,7 @@ void read_devices(Draft& draft) {
   for (auto table : draft.document.root().tables("device")) {
     drive::Device device;
     draft.devices.push_back(table);
-    device.name = read_name(table);
-    check_name(draft.devices, draft.settings.devices, device.name);
+    device.name = read_name(draft.devices, draft.settings.devices);
     read_bus(draft, table, device);
     read_address(draft, table, device);
     read_drive(draft, table, device);
@@ -158,9 +153,8 @@ void read_orders(Draft& draft, TomlTable& table, drive::Device& device) {
   const bool known = draft.profile_known.back();
   const auto order = table.word<drive::WordOrder>("word_order", kWordOrders);
   if (order && profile.word_order && *order != *profile.word_order) {
-    table.error("word_order", in_quotes(profile.name) + " drives have " +
-                                  in_quotes(order_word(*profile.word_order)) +
-                                  ", and it cannot be set");
+    table.error("word_order", "{} drives have {}, and it cannot be set", in_quotes(profile.name),
+                in_quotes(order_word(*profile.word_order)));
   }
   device.word_order = order ? order : profile.word_order;
   device.opcode_order = table.word<drive::WordOrder>("opcode_order", kWordOrders);
@@ -185,14 +179,13 @@ void read_writing(Draft& draft, TomlTable& table, drive::Device& device) {
   const auto& profile = device.profile;
   const auto function = read_write_function(table);
   if (function && draft.profile_known.back() && !profile.functions.test(*function)) {
-    table.error("write_function",
-                in_quotes(profile.name) + " has no function " + std::to_string(*function));
+    table.error("write_function", "{} has no function {}", in_quotes(profile.name), *function);
   }
   if (function == 6 && profile.position_opcodes) {
     table.error("write_function",
-                in_quotes(profile.name) +
-                    " carries an opcode out as soon as it is written: a run of 06 would write its "
-                    "parameters too late");
+                "{} carries an opcode out as soon as it is written: a run of 06 would write its "
+                "parameters too late",
+                in_quotes(profile.name));
   }
   device.write_function = function;  // a maker's preference alone changes no request
   if (device.split_values && device.write_function != 6) {

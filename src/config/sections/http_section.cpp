@@ -28,7 +28,7 @@ std::vector<TomlText> listen_texts(TomlTable& table) {
     return {{*text, found->position}};
   }
   if (!std::holds_alternative<std::vector<TomlValue>>(found->data)) {
-    table.report_expected("listen", *found, std::string(kListen) + ", or a list of such");
+    table.report_expected("listen", *found, "{}, or a list of such", kListen);
     return {};
   }
   return table.strings("listen").value_or(std::vector<TomlText>());
@@ -70,13 +70,14 @@ void read_listen(Draft& draft, TomlTable& table) {
       continue;
     }
     if (const auto first = taken_at(draft, entries, *listen)) {
-      draft.document.error(position, "listen: the port of " + in_quotes(text) +
-                                         " is taken already at " + place(draft.document, *first));
+      draft.document.error(position, "listen: the port of {} is taken already at {}",
+                           in_quotes(text), place(draft.document, *first));
     }
     if (!is_loopback(listen->address) && !table.has("allow")) {
-      draft.document.error(position, "listen: other machines reach " + in_quotes(text) +
-                                         ": expected 'allow' with those who may read, such as "
-                                         "allow = [\"192.168.10.0/24\"]");
+      draft.document.error(position,
+                           "listen: other machines reach {}: expected 'allow' with those who may "
+                           "read, such as allow = [\"192.168.10.0/24\"]",
+                           in_quotes(text));
     }
     draft.settings.http.listen.push_back(*listen);
     entries.push_back({text, position});
@@ -171,8 +172,7 @@ void read_tls(Draft& draft) {
   for (auto table : draft.document.root().tables("tls")) {
     TlsSettings tls;
     draft.tls.push_back(table);
-    tls.name = read_name(table);
-    check_name(draft.tls, draft.settings.tls, tls.name);
+    tls.name = read_name(draft.tls, draft.settings.tls);
     for (const auto* key : {"certificate", "key", "authorities"}) {
       table.require(key);
     }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The line of a bus: a serial port, a serial device server behind TCP, or a Modbus TCP server.
 #include <array>
-#include <charconv>
 #include <cmath>
+#include <fmt/core.h>
 #include <span>
 
+#include "base/host_and_port.hpp"
 #include "config/sections/sections.hpp"
 
 namespace mbgate::config {
@@ -26,32 +27,6 @@ constexpr std::string_view kScheme = "tcp://";
 constexpr std::array kSerialKeys = {"device", "data_bits", "parity", "rs485", "echo", "paced"};
 constexpr std::array kServerKeys = {"host", "port"};
 
-/// "host:port", "[::1]:port".
-std::optional<bus::Endpoint> parse_endpoint(std::string_view text) {
-  const auto colon = text.rfind(':');
-  if (colon == std::string_view::npos) {
-    return std::nullopt;
-  }
-  auto host = text.substr(0, colon);
-  const auto digits = text.substr(colon + 1);
-  bus::Endpoint endpoint;
-  const auto* end = digits.data() + digits.size();
-  const auto [at, error] = std::from_chars(digits.data(), end, endpoint.port);
-  if (error != std::errc{} || at != end || endpoint.port == 0) {
-    return std::nullopt;
-  }
-  const bool bracketed = host.starts_with('[') && host.ends_with(']');
-  if (bracketed) {
-    host = host.substr(1, host.size() - 2);
-  }
-  if (host.empty() || bracketed != (host.find(':') != std::string_view::npos) ||
-      host.find_first_of("/[]@ ") != std::string_view::npos) {
-    return std::nullopt;
-  }
-  endpoint.host = host;
-  return endpoint;
-}
-
 void read_device(TomlTable& table, bus::LineSettings& line) {
   if (!table.require("device")) {
     return;
@@ -64,8 +39,10 @@ void read_device(TomlTable& table, bus::LineSettings& line) {
   if (device.find("://") == std::string_view::npos) {
     return;
   }
-  if (device.starts_with(kScheme)) {
-    line.remote = parse_endpoint(device.substr(kScheme.size()));
+  const auto server =
+      device.starts_with(kScheme) ? server_in(device.substr(kScheme.size())) : std::nullopt;
+  if (server) {
+    line.remote = {server->host, server->port};
   }
   if (!line.remote) {
     table.report_expected("device", *table.value("device"),
@@ -79,11 +56,10 @@ void read_character(TomlTable& table, bus::LineSettings& line) {
   line.format.data_bits = ascii ? 7 : 8;
   const auto data_bits = table.integer("data_bits", {5, 8});
   if (data_bits && ascii && *data_bits < 7) {
-    table.error("data_bits",
-                "ASCII characters have 7 or 8 data bits, found " + std::to_string(*data_bits));
+    table.error("data_bits", "ASCII characters have 7 or 8 data bits, found {}", *data_bits);
   } else if (data_bits && !ascii && *data_bits != 8) {
-    table.error("data_bits", "RTU characters have 8 data bits (Serial Line V1.02, 2.5.1), found " +
-                                 std::to_string(*data_bits));
+    table.error("data_bits", "RTU characters have 8 data bits (Serial Line V1.02, 2.5.1), found {}",
+                *data_bits);
   } else {
     assign(line.format.data_bits, data_bits);
   }
@@ -204,8 +180,7 @@ std::uint32_t nearest_rate(std::uint32_t rate) {
 void check_rate(TomlTable& table, const bus::LineSettings& line) {
   const auto rate = static_cast<std::uint32_t>(line.baud);
   if (std::ranges::find(kUsualRates, rate) == kUsualRates.end()) {
-    table.warning("baud", std::to_string(rate) + " is no usual rate; did you mean " +
-                              std::to_string(nearest_rate(rate)) + "?");
+    table.warning("baud", "{} is no usual rate; did you mean {}?", rate, nearest_rate(rate));
   }
 }
 
@@ -218,10 +193,10 @@ bool is_kernel_name(std::string_view name) {
 std::string below_dev(std::string_view path) {
   const auto name = path.substr(path.rfind('/') + 1);
   if (is_kernel_name(name)) {
-    return "/dev/" + std::string(name);
+    return fmt::format("/dev/{}", name);
   }
   constexpr std::string_view kDev = "dev/";
-  return "/dev/" + std::string(path.substr(path.starts_with(kDev) ? kDev.size() : 0));
+  return fmt::format("/dev/{}", path.substr(path.starts_with(kDev) ? kDev.size() : 0));
 }
 
 /// "./line-a" says itself that it is meant; "./ttyUSB0" is what a shell in /dev completes.
@@ -235,10 +210,9 @@ void check_path(TomlTable& table, const bus::LineSettings& line) {
   const bool relative =
       !device.empty() && !device.starts_with('/') && device.find("://") == std::string_view::npos;
   if (relative && !is_meant(device)) {
-    table.warning("device", in_quotes(device) +
-                                " is looked for from the folder that mbgated is started in; did "
-                                "you mean " +
-                                in_quotes(below_dev(device)) + "?");
+    table.warning("device",
+                  "{} is looked for from the folder that mbgated is started in; did you mean {}?",
+                  in_quotes(device), in_quotes(below_dev(device)));
   }
 }
 

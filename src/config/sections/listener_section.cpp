@@ -45,9 +45,10 @@ void check_open(Draft& draft, TomlTable& table, const ListenerSettings& listener
   const auto address = ClientAddress::parse(listener.address);
   if (address && !is_loopback(*address) && !table.has("allow") &&
       stands_nowhere(draft.document.root(), "rule")) {
-    table.error("address", "other machines reach " + in_quotes(listener.address) +
-                               ": expected 'allow' with those who may connect, such as "
-                               "allow = [\"192.168.10.0/24\"], or a [[rule]]");
+    table.error("address",
+                "other machines reach {}: expected 'allow' with those who may connect, such as "
+                "allow = [\"192.168.10.0/24\"], or a [[rule]]",
+                in_quotes(listener.address));
   }
 }
 
@@ -101,10 +102,8 @@ void check_port(Draft& draft, const ListenerSettings& listener) {
   const auto same = std::ranges::find_if(all, [&](const auto& it) { return clash(it, listener); });
   if (same != all.end()) {
     const auto first = static_cast<std::size_t>(same - all.begin());
-    draft.listeners.back().error(
-        "port", std::to_string(listener.port) + " of " + listener.address +
-                    " is taken already at " +
-                    place(draft.document, draft.listeners[first].value_position("port")));
+    draft.listeners.back().error("port", "{} of {} is taken already at {}", listener.port,
+                                 listener.address, draft.listeners[first].place_of("port"));
   }
 }
 
@@ -126,8 +125,7 @@ void read_listeners(Draft& draft) {
   for (auto table : draft.document.root().tables("listen")) {
     ListenerSettings listener;
     draft.listeners.push_back(table);
-    listener.name = read_name(table);
-    check_name(draft.listeners, draft.settings.listeners, listener.name);
+    listener.name = read_name(draft.listeners, draft.settings.listeners);
     read_keys(table, listener_keys(), listener);
     read_address(table, listener);
     read_handshakes(draft, table, listener);
@@ -157,9 +155,9 @@ void check_reached(const Draft& draft, std::vector<TomlTable>& tables,
     return;
   }
   tables.back().error("address",
-                      in_quotes(text) + " lies in the block at " +
-                          place(draft.document, tables[first].value_position("address")) +
-                          ", and the first that fits counts: the narrower one must come first");
+                      "{} lies in the block at {}, and the first that fits counts: the narrower "
+                      "one must come first",
+                      in_quotes(text), tables[first].place_of("address"));
 }
 
 }  // namespace

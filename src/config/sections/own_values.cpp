@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Values that a user names at a device: values32 = { holding = [300, "310-329"], input = [8] }.
+#include <fmt/core.h>
+
 #include "config/sections/sections.hpp"
 #include "config/toml/match_entry.hpp"
 
@@ -19,7 +21,7 @@ struct OwnList {
 };
 
 std::string numbers(std::uint32_t first, std::uint32_t end) {
-  return std::to_string(first) + " to " + std::to_string(end - 1);
+  return fmt::format("{} to {}", first, end - 1);
 }
 
 /// Empty if the value can be one of the device.
@@ -28,38 +30,39 @@ std::string refusal(const Value& value, const ProfileFile* file, const drive::De
   const auto range = value.range();
   const auto registers = numbers(value.first, value.end());
   if (profile.input_as_holding && value.table == Table::input_registers) {
-    return "function 04 reads the holding registers of " + in_quotes(profile.name) +
-           ": name them there";
+    return fmt::format("function 04 reads the holding registers of {}: name them there",
+                       in_quotes(profile.name));
   }
   if (const auto* other = profile.values.from(value.table, value.first);
       other != nullptr && other->first < value.end()) {
-    return registers + " overlap the value " + numbers(other->first, other->end());
+    return fmt::format("{} overlap the value {}", registers, numbers(other->first, other->end()));
   }
   if (file != nullptr) {
     for (const auto& string : file->strings) {
       if (overlap(string.fact, range)) {
-        return registers + " overlap the string " +
-               numbers(string.fact.first, drive::end_of(string.fact)) + " of " +
-               in_quotes(profile.name);
+        return fmt::format("{} overlap the string {} of {}", registers,
+                           numbers(string.fact.first, drive::end_of(string.fact)),
+                           in_quotes(profile.name));
       }
     }
   }
   if (profile.group_end(value.table, value.first) < value.end()) {
-    return registers + " reach over the end of a parameter group of " + in_quotes(profile.name);
+    return fmt::format("{} reach over the end of a parameter group of {}", registers,
+                       in_quotes(profile.name));
   }
   if (profile.is_special(range)) {
-    return registers +
-           " hold a stop, an opcode or its parameters, or a write that is guarded or never "
-           "answered, of " +
-           in_quotes(profile.name);
+    return fmt::format(
+        "{} hold a stop, an opcode or its parameters, or a write that is guarded or never "
+        "answered, of {}",
+        registers, in_quotes(profile.name));
   }
   if (value.table == Table::holding_registers && profile.limits.write_registers < value.registers) {
-    return registers + " cannot be written at once: " + in_quotes(profile.name) +
-           " takes at most " + std::to_string(profile.limits.write_registers);
+    return fmt::format("{} cannot be written at once: {} takes at most {}", registers,
+                       in_quotes(profile.name), profile.limits.write_registers);
   }
   if (profile.limits.read_from(value.table) < value.registers) {
-    return registers + " cannot be read at once: " + in_quotes(profile.name) + " reads at most " +
-           std::to_string(profile.limits.read_from(value.table));
+    return fmt::format("{} cannot be read at once: {} reads at most {}", registers,
+                       in_quotes(profile.name), profile.limits.read_from(value.table));
   }
   return {};
 }
@@ -82,17 +85,17 @@ void read_element(const OwnList& list, const TomlValue& element, const ProfileFi
   const auto range = parse_element(element, list.registers);
   if (!range) {
     const std::int64_t last = 0x10000 - list.registers;
-    list.table->report_expected(list.key, element,
-                                "the first register of a value, 0 to " + std::to_string(last) +
-                                    ", or a range of whole values such as \"" +
-                                    (list.registers == 2 ? "310-329" : "400-407") + "\"");
+    list.table->report_expected(
+        list.key, element,
+        "the first register of a value, 0 to {}, or a range of whole values such as \"{}\"", last,
+        list.registers == 2 ? "310-329" : "400-407");
     return;
   }
   for (auto first = range->min; first < range->max; first += list.registers) {
     const Value value{list.of, static_cast<std::uint16_t>(first), list.registers, false};
     const auto why = refusal(value, file, device);
     if (!why.empty()) {
-      list.table->document().error(element.position, std::string(list.key) + ": " + why);
+      list.table->document().error(element.position, "{}: {}", list.key, why);
       return;
     }
     device.profile.values.add(value);

@@ -47,17 +47,15 @@ void check_place(TomlTable& entry, const Device& device, const modbus::TableRang
   const auto functions = functions_for(range.table);
   const auto address = std::to_string(range.first);
   if (const auto* value = profile.values.at(range.table, range.first)) {
-    entry.error("address", address + " is a register of the value " + std::to_string(value->first) +
-                               " to " + std::to_string(value->end() - 1) +
-                               ": a part of it cannot be written alone");
+    entry.error("address",
+                "{} is a register of the value {} to {}: a part of it cannot be written alone",
+                address, value->first, value->end() - 1);
   } else if (drive::touches(profile.read_only, range)) {
-    entry.error("address", address + " is read-only in " + in_quotes(profile.name));
+    entry.error("address", "{} is read-only in {}", address, in_quotes(profile.name));
   } else if (!profile.functions.test(functions.single) &&
              !profile.functions.test(functions.multiple)) {
-    entry.error(entry.has("table") ? "table" : "address",
-                in_quotes(profile.name) + " has neither function " +
-                    std::to_string(functions.single) + " nor " +
-                    std::to_string(functions.multiple));
+    entry.error(entry.has("table") ? "table" : "address", "{} has neither function {} nor {}",
+                in_quotes(profile.name), functions.single, functions.multiple);
   }
 }
 
@@ -112,9 +110,9 @@ std::optional<Request> read_failsafe_write(TomlTable& entry, const Device& devic
   }
   auto request = write_as_taken(device, *range, *value);
   if (device.is_reconfigured_by(request) && !device.allow_reconfigure) {
-    entry.error("address", std::to_string(range->first) +
-                               " changes the communication of the drive: needs allow_reconfigure "
-                               "= true");
+    entry.error("address",
+                "{} changes the communication of the drive: needs allow_reconfigure = true",
+                range->first);
   }
   return request;
 }
@@ -146,8 +144,7 @@ std::vector<modbus::Request> read_failsafe(TomlTable& table, const drive::Device
     }
   }
   if (writes.size() > kMostFailsafe) {
-    table.error("failsafe", "expected at most " + std::to_string(kMostFailsafe) +
-                                " writes, found " + std::to_string(writes.size()));
+    table.error("failsafe", "expected at most {} writes, found {}", kMostFailsafe, writes.size());
   }
   return writes;
 }

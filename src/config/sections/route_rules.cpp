@@ -83,8 +83,7 @@ void read_functions(const Draft& draft, TomlTable& table, Route& route, bool bro
 /// One side of a window; the last address must exist.
 void check_end(TomlTable& window, std::string_view key, std::int64_t first, std::int64_t count) {
   if (first + count > kTableSize) {
-    window.error(key, std::to_string(first) + " + " + std::to_string(count) +
-                          " passes 65536, the size of a table");
+    window.error(key, "{} + {} passes 65536, the size of a table", first, count);
   }
 }
 
@@ -152,10 +151,8 @@ void read_windows(TomlTable& table, Route& route, bool broadcast) {
         route.windows, [&](const auto& other) { return same_client_addresses(other, *window); });
     if (same != route.windows.end()) {
       const auto& first = places[static_cast<std::size_t>(same - route.windows.begin())];
-      entry.error("from", std::to_string(window->from) + " to " +
-                              std::to_string(window->from + window->count - 1) +
-                              " overlap the window at " +
-                              place(entry.document(), first.value_position("from")));
+      entry.error("from", "{} to {} overlap the window at {}", window->from,
+                  window->from + window->count - 1, first.place_of("from"));
     }
     route.windows.push_back(*window);
     places.push_back(entry);

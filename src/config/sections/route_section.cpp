@@ -37,7 +37,7 @@ std::optional<UnitRange> read_unit(const Draft& draft, TomlTable& table, Route& 
   route.last_unit = units->last;
   const auto own = draft.settings.status_unit;
   if (own && units->contains(*own)) {
-    table.error("unit", std::to_string(*own) + " is the gateway itself ([gateway] unit)");
+    table.error("unit", "{} is the gateway itself ([gateway] unit)", *own);
   }
   if (units->first == 0 && units->last != 0) {
     table.error("unit", "0 is for broadcasts: it stands alone, in a route of its own");
@@ -51,8 +51,7 @@ void read_device(Draft& draft, TomlTable& table, const UnitRange& units, Route& 
     table.error("address", "belongs to a route with 'bus'; a device has its own address");
   }
   if (units.size() != 1) {
-    table.error("unit", "a route to a device has one unit, found a range of " +
-                            std::to_string(units.size()));
+    table.error("unit", "a route to a device has one unit, found a range of {}", units.size());
   }
   if (const auto found = find_named(table, "device", draft.settings.devices)) {
     const auto& device = draft.settings.devices[*found];
@@ -70,8 +69,7 @@ void read_bus(Draft& draft, TomlTable& table, const UnitRange& units, Route& rou
   }
   if (!table.has("address")) {
     if (!tcp && units.last > kSerialAddresses.max) {
-      table.error("unit", "no bus has an address " + std::to_string(units.last) +
-                              " (1 to 247): give 'address'");
+      table.error("unit", "no bus has an address {} (1 to 247): give 'address'", units.last);
     }
     route.first_address = units.first;
     return;
@@ -82,8 +80,8 @@ void read_bus(Draft& draft, TomlTable& table, const UnitRange& units, Route& rou
   }
   route.first_address = addresses->first;
   if (addresses->size() != units.size()) {
-    table.error("address", "expected as many addresses as units (" + std::to_string(units.size()) +
-                               "), found " + std::to_string(addresses->size()));
+    table.error("address", "expected as many addresses as units ({}), found {}", units.size(),
+                addresses->size());
   }
 }
 
@@ -231,12 +229,12 @@ void check_occasions(TomlTable& table, const DeviceGuard& guard) {
   const bool has_writes = writes != nullptr && !is_empty_list(*writes);
   for (const auto& [key, occasion] : kNeedWrites) {
     if (table.has(key) && !has_writes) {
-      table.error(key, std::string("needs 'failsafe': what is written ") + occasion);
+      table.error(key, "needs 'failsafe': what is written {}", occasion);
     }
   }
   if (has_writes && guard.quiet > gateway::Duration{0} && guard.quiet < guard.failsafe_grace) {
-    table.warning("quiet", "failsafe_grace, " + to_text(guard.failsafe_grace) +
-                               ", is longer, and has to pass too");
+    table.warning("quiet", "failsafe_grace, {}, is longer, and has to pass too",
+                  to_text(guard.failsafe_grace));
   }
 }
 

@@ -44,19 +44,13 @@ template <typename Named>
 std::vector<std::size_t> find_each(TomlTable& table, std::string_view key,
                                    const std::vector<Named>& all) {
   std::vector<std::size_t> found;
-  std::vector<std::string_view> names;
-  names.reserve(all.size());
-  for (const auto& it : all) {
-    names.push_back(it.name);
-  }
   for (const auto& [text, position] : table.strings(key).value_or(std::vector<TomlText>())) {
-    const auto name = std::ranges::find(names, text);
-    if (name != names.end()) {
-      found.push_back(static_cast<std::size_t>(name - names.begin()));
+    const auto entry = std::ranges::find(all, text, &Named::name);
+    if (entry != all.end()) {
+      found.push_back(static_cast<std::size_t>(entry - all.begin()));
     } else {
-      table.document().error(position, std::string(key) + ": no " + std::string(kSection<Named>) +
-                                           " is named " + in_quotes(text) +
-                                           did_you_mean(text, names));
+      table.document().error(position, "{}: no {} is named {}{}", key, kSection<Named>,
+                             in_quotes(text), did_you_mean(text, names_of(all)));
     }
   }
   return found;
@@ -79,9 +73,8 @@ std::optional<std::bitset<Size>> read_numbers(TomlTable& table, std::string_view
       range = parse_range(*text, limits);
     }
     if (!range || range->min < limits.min || range->max > limits.max) {
-      table.report_expected(key, element,
-                            std::string(what) + " from " + std::to_string(limits.min) + " to " +
-                                std::to_string(limits.max) + " or a range such as \"1-4\"");
+      table.report_expected(key, element, "{} from {} to {} or a range such as \"1-4\"", what,
+                            limits.min, limits.max);
       continue;
     }
     for (auto number = range->min; number <= range->max; ++number) {
@@ -147,8 +140,7 @@ void read_groups(Draft& draft) {
   for (auto table : draft.document.root().tables("group")) {
     ClientGroup group;
     draft.group_tables.push_back(table);
-    group.name = read_name(table);
-    check_name(draft.group_tables, draft.groups, group.name);
+    group.name = read_name(draft.group_tables, draft.groups);
     check_not_empty(table, {"addresses", "roles"});
     group.addresses = read_networks(table, "addresses");
     group.roles = read_roles(table);
@@ -170,8 +162,7 @@ void read_rules(Draft& draft) {
     AccessRule rule;
     draft.rules.push_back(table);
     if (table.has("name")) {
-      rule.name = read_name(table);
-      check_name(draft.rules, draft.settings.rules, rule.name);
+      rule.name = read_name(draft.rules, draft.settings.rules);
     }
     rule.place = line_of(draft, table.position());
     read_who(draft, table, rule);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "config/sections/sections.hpp"
 
+#include <fmt/core.h>
 #include <system_error>
 
 namespace mbgate::config {
@@ -92,13 +93,13 @@ void read_socket_path(TomlTable& table, std::string_view key, std::string& path,
   path = *socket;
   const bool is_none = socket->empty() && !or_else.empty();
   if (!is_none && (!socket->starts_with('/') || socket->size() > kLongestSocketPath)) {
-    table.report_expected(key, *table.value(key),
-                          "an absolute path of at most 107 characters" + std::string(or_else));
+    table.report_expected(key, *table.value(key), "an absolute path of at most 107 characters{}",
+                          or_else);
   }
 }
 
 std::string line_of(const Draft& draft, Position position) {
-  return draft.document.name(position) + ":" + std::to_string(position.line);
+  return fmt::format("{}:{}", draft.document.name(position), position.line);
 }
 
 bool stands_nowhere(TomlTable root, std::string_view key) {
@@ -156,8 +157,7 @@ routing::ClientList read_clients(Draft& draft, TomlTable& table, std::string_vie
 void report_twice(std::vector<TomlTable>& tables, std::size_t first, std::string_view key,
                   std::string_view what) {
   auto& again = tables.back();
-  again.error(key, in_quotes(what) + " is taken already at " +
-                       place(again.document(), tables[first].value_position(key)));
+  again.error(key, "{} is taken already at {}", in_quotes(what), tables[first].place_of(key));
 }
 
 }  // namespace mbgate::config

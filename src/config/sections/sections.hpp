@@ -190,6 +190,16 @@ inline constexpr std::string_view kSection<drive::Device> = "[[device]]";
 template <>
 inline constexpr std::string_view kSection<routing::ClientGroup> = "[[group]]";
 
+template <typename Named>
+std::vector<std::string_view> names_of(const std::vector<Named>& all) {
+  std::vector<std::string_view> names;
+  names.reserve(all.size());
+  for (const auto& it : all) {
+    names.push_back(it.name);
+  }
+  return names;
+}
+
 /// The index of the entry that `key` names; an unknown name is reported with a suggestion.
 template <typename Named>
 std::optional<std::size_t> find_named(TomlTable& table, std::string_view key,
@@ -202,24 +212,20 @@ std::optional<std::size_t> find_named(TomlTable& table, std::string_view key,
   if (entry != all.end()) {
     return static_cast<std::size_t>(entry - all.begin());
   }
-  std::vector<std::string_view> names;
-  names.reserve(all.size());
-  for (const auto& candidate : all) {
-    names.push_back(candidate.name);
-  }
-  table.error(key, "no " + std::string(kSection<Named>) + " is named " + in_quotes(*name) +
-                       did_you_mean(*name, names));
+  table.error(key, "no {} is named {}{}", kSection<Named>, in_quotes(*name),
+              did_you_mean(*name, names_of(all)));
   return std::nullopt;
 }
 
 /// Reports a name that an earlier entry has; the newest entry is not yet among `all`.
 template <typename Named>
-void check_name(std::vector<TomlTable>& tables, const std::vector<Named>& all,
-                std::string_view name) {
+std::string read_name(std::vector<TomlTable>& tables, const std::vector<Named>& all) {
+  std::string name = read_name(tables.back());
   const auto entry = std::ranges::find(all, name, &Named::name);
   if (!name.empty() && entry != all.end()) {
     report_twice(tables, static_cast<std::size_t>(entry - all.begin()), "name", name);
   }
+  return name;
 }
 
 /// The index in the settings that an identifier stands for.

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "config/toml/match_entry.hpp"
 
-#include <charconv>
+#include <fmt/core.h>
 #include <string>
+
+#include "base/text.hpp"
 
 namespace mbgate::config {
 namespace {
@@ -18,14 +20,13 @@ template <typename Match>
 void check_written(TomlTable& entry, std::string_view key, Table table, const Match& match) {
   if (table == Table::coils) {
     if (match.value != 0 && match.value != kCoilOn) {
-      entry.error(key, "a coil is written as 0 or 0xFF00, found " + std::to_string(match.value));
+      entry.error(key, "a coil is written as 0 or 0xFF00, found {}", match.value);
     }
     if (entry.has("mask")) {
       entry.error("mask", "a coil has no bits to choose from");
     }
   } else if ((match.value & match.mask) != match.value) {
-    entry.error(key, std::to_string(match.value) + " has bits outside of the mask, " +
-                         std::to_string(match.mask));
+    entry.error(key, "{} has bits outside of the mask, {}", match.value, match.mask);
   }
 }
 
@@ -67,8 +68,7 @@ void read_parameters(TomlTable& entry, drive::WriteMatch& match) {
   if (match.table == Table::coils) {
     entry.error("parameters", "a coil has none");
   } else if (match.address + match.parameters > 0xFFFF) {
-    entry.error("parameters", std::to_string(match.parameters) +
-                                  " registers behind it pass the end of the table");
+    entry.error("parameters", "{} registers behind it pass the end of the table", match.parameters);
   }
 }
 
@@ -77,30 +77,16 @@ std::optional<std::uint16_t> parse_register_address(std::string_view text) {
   if (is_hexadecimal) {
     text.remove_prefix(2);
   }
-  std::uint16_t address = 0;
-  const char* const end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), end, address, is_hexadecimal ? 16 : 10);
-  return error == std::errc{} && at == end ? std::optional(address) : std::nullopt;
+  return integer_in<std::uint16_t>(text, is_hexadecimal ? 16 : 10);
 }
-
-namespace {
-
-std::optional<std::int64_t> parse_number(std::string_view text) {
-  std::uint32_t number = 0;
-  const auto* end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), end, number);
-  return error == std::errc{} && at == end ? std::optional<std::int64_t>(number) : std::nullopt;
-}
-
-}  // namespace
 
 std::optional<IntegerRange> parse_range(std::string_view text, IntegerRange limits) {
   const auto dash = text.find('-');
   if (dash == std::string_view::npos) {
     return std::nullopt;
   }
-  const auto first = parse_number(text.substr(0, dash));
-  const auto last = parse_number(text.substr(dash + 1));
+  const auto first = integer_in<std::uint32_t>(text.substr(0, dash));
+  const auto last = integer_in<std::uint32_t>(text.substr(dash + 1));
   if (!first || !last || *first > *last || *first < limits.min || *last > limits.max) {
     return std::nullopt;
   }
@@ -122,12 +108,12 @@ std::optional<UnitRange> read_units(TomlTable& table, std::string_view key, Inte
   }
   if (!range) {
     const auto* text = std::get_if<std::string>(&found->data);
-    const auto quoted = text != nullptr ? parse_number(*text) : std::nullopt;
+    const auto quoted = text != nullptr ? integer_in<std::uint32_t>(*text) : std::nullopt;
     table.report_expected(key, *found,
                           quoted && *quoted >= limits.min && *quoted <= limits.max
                               ? *text + " without quotes"
-                              : "an integer from " + std::to_string(limits.min) + " to " +
-                                    std::to_string(limits.max) + " or a range such as \"1-32\"");
+                              : fmt::format("an integer from {} to {} or a range such as \"1-32\"",
+                                            limits.min, limits.max));
     return std::nullopt;
   }
   return UnitRange{static_cast<std::uint8_t>(range->min), static_cast<std::uint8_t>(range->max)};

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <fmt/core.h>
 
 namespace mbgate::config {
 namespace {
@@ -94,7 +95,7 @@ std::string in_our_letters(std::string_view key) {
   return ours;
 }
 
-std::string suggest(std::string_view word) { return "; did you mean '" + std::string(word) + "'?"; }
+std::string suggest(std::string_view word) { return fmt::format("; did you mean '{}'?", word); }
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Joins the contents of the files of a document, and collects their errors.
 #include <algorithm>
+#include <fmt/core.h>
 #include <iterator>
 
 #include "config/toml/suggestion.hpp"
@@ -78,10 +79,11 @@ void TomlDocument::join(TomlEntry& entry, TomlEntry added) {
                       std::back_inserter(std::get<std::vector<TomlValue>>(value.data)));
   } else {
     const bool is_alike = value.data.index() == added.value.data.index();
-    error(
-        added.position,
-        entry.key + ": is said already at " + place(*this, entry.position) +
-            (is_alike ? "" : ", as " + describe(value) + "; here it is " + describe(added.value)));
+    error(added.position,
+          fmt::format("{}: is said already at {}{}", entry.key, place(*this, entry.position),
+                      is_alike ? ""
+                               : fmt::format(", as {}; here it is {}", describe(value),
+                                             describe(added.value))));
   }
 }
 
@@ -111,9 +113,9 @@ void TomlDocument::report_unknown_keys(const TomlTableValue& table) {
   const std::vector<std::string_view> known(table.known.begin(), table.known.end());
   for (const auto& entry : table.entries) {
     if (std::ranges::find(known, entry.key) == known.end()) {
-      error(entry.position, "unknown key '" + entry.key + "'" +
-                                (table.title.empty() ? "" : " in " + table.title) +
-                                did_you_mean_key(entry.key, known));
+      error(entry.position, fmt::format("unknown key '{}'{}{}", entry.key,
+                                        table.title.empty() ? "" : " in " + table.title,
+                                        did_you_mean_key(entry.key, known)));
     } else if (const auto* inner = std::get_if<TomlTableValue>(&entry.value.data)) {
       report_unknown_keys(*inner);
     } else if (const auto* list = std::get_if<std::vector<TomlValue>>(&entry.value.data)) {
@@ -133,8 +135,7 @@ std::vector<Diagnostic> TomlDocument::finish() {
 }
 
 std::string place(const TomlDocument& document, Position position) {
-  return document.name(position) + ":" + std::to_string(position.line) + ":" +
-         std::to_string(position.column);
+  return fmt::format("{}:{}:{}", document.name(position), position.line, position.column);
 }
 
 }  // namespace mbgate::config

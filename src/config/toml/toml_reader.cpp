@@ -3,6 +3,8 @@
 // compiled in: the shared one is built with exceptions.
 #include "config/toml/toml_reader.hpp"
 
+#include <fmt/core.h>
+
 #undef TOML_SHARED_LIB
 #undef TOML_HEADER_ONLY
 #define TOML_HEADER_ONLY 1
@@ -56,7 +58,7 @@ struct Conversion {
     TomlTableValue converted;
     converted.position = position_of(table.source());
     if (!path.empty()) {
-      converted.title = in_array ? "[[" + path + "]]" : "[" + path + "]";
+      converted.title = in_array ? fmt::format("[[{}]]", path) : fmt::format("[{}]", path);
     }
     for (const auto& [key, value] : table) {
       const std::string name(key.str());
@@ -181,7 +183,7 @@ void TomlDocument::report_syntax(Position position, std::string_view description
   }
   position.column = static_cast<std::uint32_t>(bare.data() - line.data()) + 1;
   error(position,
-        "syntax: quotes are missing: expected " + in_quotes(bare) + ", found " + std::string(bare));
+        fmt::format("syntax: quotes are missing: expected {}, found {}", in_quotes(bare), bare));
 }
 
 std::optional<TomlTableValue> TomlDocument::read_file(std::uint32_t number, std::string_view text) {

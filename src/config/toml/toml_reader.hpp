@@ -18,6 +18,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <fmt/core.h>
 #include <memory>
 #include <optional>
 #include <span>
@@ -82,6 +83,8 @@ class TomlTable {
   const TomlValue* value(std::string_view key);
   /// Where the value of a key is; the table's position if the key is absent.
   [[nodiscard]] Position value_position(std::string_view key) const;
+  /// "conf/x.toml:12:8": the same, to name it in a message at another place.
+  [[nodiscard]] std::string place_of(std::string_view key) const;
 
   std::optional<std::string> string(std::string_view key);
   std::optional<bool> boolean(std::string_view key);
@@ -111,11 +114,28 @@ class TomlTable {
   std::vector<TomlTable> tables(std::string_view key);
 
   /// Reports an error at the value of `key` (at the table if it is absent); the message begins with
-  /// the key.
+  /// the key. With more arguments it is a format of libfmt, here as below.
   void error(std::string_view key, std::string_view message);
+  template <class First, class... Rest>
+  void error(std::string_view key, fmt::format_string<First, Rest...> message, First&& first,
+             Rest&&... rest) {
+    error(key, fmt::format(message, std::forward<First>(first), std::forward<Rest>(rest)...));
+  }
+  void warning(std::string_view key, std::string_view message);
+  template <class First, class... Rest>
+  void warning(std::string_view key, fmt::format_string<First, Rest...> message, First&& first,
+               Rest&&... rest) {
+    warning(key, fmt::format(message, std::forward<First>(first), std::forward<Rest>(rest)...));
+  }
   /// Reports at `found`: "KEY: expected EXPECTED, found ...".
   void report_expected(std::string_view key, const TomlValue& found, std::string_view expected);
-  void warning(std::string_view key, std::string_view message);
+  template <class First, class... Rest>
+  void report_expected(std::string_view key, const TomlValue& found,
+                       fmt::format_string<First, Rest...> expected, First&& first, Rest&&... rest) {
+    report_expected(key, found,
+                    std::string_view(fmt::format(expected, std::forward<First>(first),
+                                                 std::forward<Rest>(rest)...)));
+  }
   [[nodiscard]] TomlDocument& document() const { return *document_; }
 
  private:
@@ -151,7 +171,18 @@ class TomlDocument {
   [[nodiscard]] bool failed() const { return has_errors(diagnostics_); }
 
   void error(Position position, std::string message);
+  template <class First, class... Rest>
+  void error(Position position, fmt::format_string<First, Rest...> message, First&& first,
+             Rest&&... rest) {
+    error(position, fmt::format(message, std::forward<First>(first), std::forward<Rest>(rest)...));
+  }
   void warning(Position position, std::string message);
+  template <class First, class... Rest>
+  void warning(Position position, fmt::format_string<First, Rest...> message, First&& first,
+               Rest&&... rest) {
+    warning(position,
+            fmt::format(message, std::forward<First>(first), std::forward<Rest>(rest)...));
+  }
 
   /// Reports the keys that were never read and returns all diagnostics, in the order of the files
   /// and of their texts.

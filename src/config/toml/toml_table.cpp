@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <charconv>
+#include <fmt/core.h>
 
 #include "config/toml/duration_text.hpp"
 #include "config/toml/suggestion.hpp"
@@ -26,7 +27,7 @@ std::string path_of(std::string_view title, std::string_view key) {
     return std::string(key);
   }
   const auto end = title.find(']');
-  return std::string(title.substr(first, end - first)) + "." + std::string(key);
+  return fmt::format("{}.{}", title.substr(first, end - first), key);
 }
 
 /// Is it the text of a number from `min` to `max`, of which only the quotes are wrong?
@@ -60,12 +61,12 @@ bool is_number(const TomlValue& value) {
 }  // namespace
 
 std::string range_text(const IntegerRange& range) {
-  return "an integer from " + std::to_string(range.min) + " to " + std::to_string(range.max);
+  return fmt::format("an integer from {} to {}", range.min, range.max);
 }
 
 std::string range_text(const DurationRange& range) {
-  return (range.zero_is_off ? "\"0s\" (off) or " : "") + std::string("a duration from ") +
-         to_text(range.min) + " to " + to_text(range.max);
+  return fmt::format("{}a duration from {} to {}", range.zero_is_off ? "\"0s\" (off) or " : "",
+                     to_text(range.min), to_text(range.max));
 }
 
 Position TomlTable::position() const { return node_->position; }
@@ -85,8 +86,8 @@ bool TomlTable::require(std::string_view key) {
   if (has(key)) {
     return true;
   }
-  document_->error(position(), (title().empty() ? "" : title() + ": ") + "the key '" +
-                                   std::string(key) + "' is missing");
+  document_->error(position(), "{}the key '{}' is missing", title().empty() ? "" : title() + ": ",
+                   key);
   return false;
 }
 
@@ -95,18 +96,21 @@ Position TomlTable::value_position(std::string_view key) const {
   return entry == nullptr ? position() : entry->value.position;
 }
 
+std::string TomlTable::place_of(std::string_view key) const {
+  return place(*document_, value_position(key));
+}
+
 void TomlTable::error(std::string_view key, std::string_view message) {
-  document_->error(value_position(key), std::string(key) + ": " + std::string(message));
+  document_->error(value_position(key), "{}: {}", key, message);
 }
 
 void TomlTable::warning(std::string_view key, std::string_view message) {
-  document_->warning(value_position(key), std::string(key) + ": " + std::string(message));
+  document_->warning(value_position(key), fmt::format("{}: {}", key, message));
 }
 
 void TomlTable::report_expected(std::string_view key, const TomlValue& found,
                                 std::string_view expected) {
-  document_->error(found.position, std::string(key) + ": expected " + std::string(expected) +
-                                       ", found " + describe(found));
+  document_->error(found.position, "{}: expected {}, found {}", key, expected, describe(found));
 }
 
 std::optional<std::string> TomlTable::string(std::string_view key) {
@@ -162,11 +166,11 @@ std::optional<double> TomlTable::number(std::string_view key, NumberRange range)
   if (number && *number >= range.min && *number <= range.max) {
     return number;
   }
-  report_expected(
-      key, *found,
-      is_quoted_number(*found, range.min, range.max)
-          ? without_quotes(*found)
-          : "a number from " + describe({{}, range.min}) + " to " + describe({{}, range.max}));
+  report_expected(key, *found,
+                  is_quoted_number(*found, range.min, range.max)
+                      ? without_quotes(*found)
+                      : fmt::format("a number from {} to {}", describe({{}, range.min}),
+                                    describe({{}, range.max})));
   return std::nullopt;
 }
 
@@ -248,9 +252,8 @@ std::optional<std::size_t> TomlTable::word_index(std::string_view key,
     expected += expected.empty() ? "" : last ? " or " : ", ";
     expected += in_quotes(word);
   }
-  document_->error(found->position, std::string(key) + ": expected " + expected + ", found " +
-                                        describe(*found) +
-                                        (text == nullptr ? "" : did_you_mean(*text, words)));
+  document_->error(found->position, "{}: expected {}, found {}{}", key, expected, describe(*found),
+                   text == nullptr ? "" : did_you_mean(*text, words));
   return std::nullopt;
 }
 
@@ -263,7 +266,7 @@ std::optional<TomlTable> TomlTable::table(std::string_view key) {
   if (auto* inner = std::get_if<TomlTableValue>(&entry->value.data)) {
     return TomlTable(*document_, *inner);
   }
-  report_expected(key, entry->value, "the table [" + path_of(title(), key) + "]");
+  report_expected(key, entry->value, fmt::format("the table [{}]", path_of(title(), key)));
   return std::nullopt;
 }
 
@@ -274,7 +277,7 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) {
   if (entry == nullptr) {
     return tables;
   }
-  const std::string expected = "tables headed [[" + path_of(title(), key) + "]]";
+  const std::string expected = fmt::format("tables headed [[{}]]", path_of(title(), key));
   auto* elements = std::get_if<std::vector<TomlValue>>(&entry->value.data);
   if (elements == nullptr) {
     report_expected(key, entry->value, expected);

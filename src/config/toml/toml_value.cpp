@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "config/toml/toml_value.hpp"
 
-#include <array>
-#include <cstdio>
+#include <fmt/core.h>
 
 namespace mbgate::config {
 namespace {
@@ -10,16 +9,10 @@ namespace {
 /// As much of a wrong value as is needed to recognise it.
 constexpr std::size_t kMostShown = 60;
 
-std::string number_text(double number) {
-  std::array<char, 32> text{};
-  const int length = std::snprintf(text.data(), text.size(), "%.12g", number);
-  return {text.data(), static_cast<std::size_t>(length)};
-}
-
 struct Describe {
   std::string operator()(const std::string& text) const { return in_quotes(text); }
   std::string operator()(std::int64_t number) const { return std::to_string(number); }
-  std::string operator()(double number) const { return number_text(number); }
+  std::string operator()(double number) const { return fmt::format("{:.12g}", number); }
   std::string operator()(bool truth) const { return truth ? "true" : "false"; }
   std::string operator()(const std::vector<TomlValue>& /*list*/) const { return "a list"; }
   std::string operator()(const TomlTableValue& /*table*/) const { return "a table"; }

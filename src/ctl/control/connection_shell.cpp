@@ -11,15 +11,17 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 #include <cerrno>
-#include <charconv>
 #include <cstdint>
 #include <cstring>
+#include <fmt/core.h>
 #include <future>
 #include <optional>
 #include <sstream>
 #include <string_view>
 #include <thread>
 #include <vector>
+
+#include "base/host_and_port.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -32,33 +34,9 @@ constexpr std::string_view kScheme = "tcp://";
 
 bool is_tcp(const std::string& place) { return place.starts_with(kScheme); }
 
-struct HostAndPort {
-  std::string host;
-  std::string port;
-};
-
 /// "tcp://gateway:8080", "tcp://[::1]:8080".
 std::optional<HostAndPort> parse_place(std::string_view place) {
-  place.remove_prefix(kScheme.size());
-  const auto colon = place.rfind(':');
-  if (colon == std::string_view::npos) {
-    return std::nullopt;
-  }
-  auto host = place.substr(0, colon);
-  const auto digits = place.substr(colon + 1);
-  const auto* const end = digits.data() + digits.size();
-  std::uint16_t port = 0;
-  const auto [at, error] = std::from_chars(digits.data(), end, port);
-  const bool is_bracketed = host.starts_with('[') && host.ends_with(']');
-  if (is_bracketed) {
-    host = host.substr(1, host.size() - 2);
-  }
-  if (error != std::errc{} || at != end || port == 0 || host.empty() ||
-      is_bracketed != (host.find(':') != std::string_view::npos) ||
-      host.find_first_of("/[]@ ") != std::string_view::npos) {
-    return std::nullopt;
-  }
-  return HostAndPort{std::string(host), std::string(digits)};
+  return server_in(place.substr(kScheme.size()));
 }
 
 /// What becomes of a connection that has been begun.
@@ -113,7 +91,8 @@ LookedUp look_up(const HostAndPort& server) {
   LookedUp result;
   boost::asio::io_context context;
   tcp::resolver resolver(context);
-  for (const auto& entry : resolver.resolve(server.host, server.port, result.error)) {
+  for (const auto& entry :
+       resolver.resolve(server.host, std::to_string(server.port), result.error)) {
     result.found.emplace_back(entry.endpoint());
   }
   return result;
@@ -126,8 +105,7 @@ LookedUp look_up_in_time(const HostAndPort& server, const WaitLimit& limit) {
   error_code is_a_name;
   const auto address = boost::asio::ip::make_address(server.host, is_a_name);
   if (!is_a_name) {
-    const auto port = static_cast<std::uint16_t>(std::stoul(server.port));
-    return {{tcp::endpoint(address, port)}, {}};
+    return {{tcp::endpoint(address, server.port)}, {}};
   }
   std::packaged_task<LookedUp()> task([server] { return look_up(server); });
   auto result = task.get_future();
@@ -145,14 +123,15 @@ LookedUp look_up_in_time(const HostAndPort& server, const WaitLimit& limit) {
 std::string wrong_place(const std::string& place) {
   if (is_tcp(place)) {
     return parse_place(place) ? std::string()
-                              : place +
-                                    ": expected a host and a port, such as "
-                                    "tcp://127.0.0.1:8080 or tcp://[::1]:8080";
+                              : fmt::format(
+                                    "{}: expected a host and a port, such as tcp://127.0.0.1:8080 "
+                                    "or tcp://[::1]:8080",
+                                    place);
   }
   return place.size() < sizeof(sockaddr_un::sun_path)
              ? std::string()
-             : place + ": the path of a socket has at most " +
-                   std::to_string(sizeof(sockaddr_un::sun_path) - 1) + " characters";
+             : fmt::format("{}: the path of a socket has at most {} characters", place,
+                           sizeof(sockaddr_un::sun_path) - 1);
 }
 
 error_code connect(ControlConnection& connection, const std::string& place,
@@ -208,22 +187,26 @@ std::string host_of(const ControlConnection& connection) {
 std::string explain(const std::string& place, const error_code& error) {
   if (is_tcp(place)) {
     return error == boost::system::errc::connection_refused
-               ? "nobody listens at " + place +
-                     ": is mbgated running, and is this one of its [http] listen?"
-               : place + ": " + error.message();
+               ? fmt::format(
+                     "nobody listens at {}: is mbgated running, and is this one of its [http] "
+                     "listen?",
+                     place)
+               : fmt::format("{}: {}", place, error.message());
   }
   if (error == boost::system::errc::no_such_file_or_directory) {
-    return "there is no control socket at " + place +
-           ": is mbgated running (systemctl status mbgated)? Where [http] socket names another "
-           "path, give it with --control";
+    return fmt::format(
+        "there is no control socket at {}: is mbgated running (systemctl status mbgated)? Where "
+        "[http] socket names another path, give it with --control",
+        place);
   }
   if (error == boost::system::errc::permission_denied) {
-    return "no permission for " + place + ": run it as root, or as a member of its group";
+    return fmt::format("no permission for {}: run it as root, or as a member of its group", place);
   }
   if (error == boost::system::errc::connection_refused) {
-    return "nobody listens at " + place + " any more: mbgated has ended (journalctl -u mbgated)";
+    return fmt::format("nobody listens at {} any more: mbgated has ended (journalctl -u mbgated)",
+                       place);
   }
-  return place + ": " + error.message();
+  return fmt::format("{}: {}", place, error.message());
 }
 
 }  // namespace mbgate::ctl

@@ -7,6 +7,7 @@
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/json/parse.hpp>
+#include <fmt/core.h>
 #include <utility>
 
 #include "ctl/control/connection_shell.hpp"
@@ -100,7 +101,7 @@ class Exchange {
 
   [[nodiscard]] std::string failure() const {
     if (error_ == boost::asio::error::timed_out) {
-      return "mbgated has not answered within " + std::to_string(limit_.count()) + " s";
+      return fmt::format("mbgated has not answered within {} s", limit_.count());
     }
     return error_ ? explain(place_, error_) : std::string();
   }
@@ -128,7 +129,7 @@ std::string follow_body(Exchange& answer, http::response_parser<http::buffer_bod
     body.size = piece.size();
     const auto error = interruption.endable([&] { return answer.read_some(parser); });
     if (error == boost::asio::error::timed_out) {
-      return "mbgated has sent nothing for " + std::to_string(kSilenceLimit.count()) + " s";
+      return fmt::format("mbgated has sent nothing for {} s", kSilenceLimit.count());
     }
     if (!take({piece.data(), piece.size() - body.size})) {
       return {};
@@ -146,7 +147,7 @@ std::string error_of(const ControlAnswer& answer) {
   const auto* const error = answer.json.if_contains("error");
   return error != nullptr && error->is_string()
              ? visible_text(error->get_string())
-             : "unexpected answer, HTTP status " + std::to_string(answer.status);
+             : fmt::format("unexpected answer, HTTP status {}", answer.status);
 }
 
 Result<ControlAnswer, std::string> ask_control(const std::string& place, const std::string& method,

@@ -7,6 +7,7 @@
 #include <boost/json/value.hpp>
 #include <cstdint>
 #include <ctime>
+#include <fmt/chrono.h>
 #include <stdexcept>
 #include <utility>
 
@@ -19,14 +20,9 @@ namespace {
 std::string local_time(const std::string& at) {
   std::tm utc{};
   if (::strptime(at.c_str(), "%Y-%m-%dT%H:%M:%S", &utc) == nullptr) {
-    throw std::invalid_argument("\"" + at + "\" is no time");
+    throw std::invalid_argument(fmt::format("\"{}\" is no time", at));
   }
-  const std::time_t instant = ::timegm(&utc);
-  std::tm local{};
-  ::localtime_r(&instant, &local);
-  char text[sizeof "22:10:00"];
-  std::strftime(text, sizeof text, "%H:%M:%S", &local);
-  return text;
+  return fmt::format("{:%H:%M:%S}", fmt::localtime(::timegm(&utc)));
 }
 
 }  // namespace
@@ -65,11 +61,11 @@ std::string event_line(const ServerEvent& event) {
   const boost::json::object& data = json.as_object();
   if (event.name == "lost") {
     const auto lost = data.at("lost").to_number<std::uint64_t>();
-    return std::to_string(lost) + (lost == 1 ? " line is" : " lines are") +
-           " missing here: mbgated does not keep them any more";
+    return fmt::format("{}{} missing here: mbgated does not keep them any more", lost,
+                       lost == 1 ? " line is" : " lines are");
   }
   const auto word = [&](const char* key) { return visible_text(data.at(key).as_string()); };
-  return local_time(word("at")) + " " + word("level") + " " + word("text");
+  return fmt::format("{} {} {}", local_time(word("at")), word("level"), word("text"));
 }
 
 }  // namespace mbgate::ctl

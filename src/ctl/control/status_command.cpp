@@ -3,6 +3,7 @@
 #include <boost/json/array.hpp>
 #include <boost/json/serialize.hpp>
 #include <chrono>
+#include <fmt/core.h>
 #include <ostream>
 
 #include "config/toml/duration_text.hpp"
@@ -40,8 +41,8 @@ StatusAnswer ask_status(const StatusCommand& command, const std::function<bool()
   try {
     return status_text(answer->json);
   } catch (const std::exception& exception) {
-    return Failure{kExitNotDone, std::string("mbgated is of another version than mbgatectl: ") +
-                                     exception.what()};
+    return Failure{kExitNotDone, fmt::format("mbgated is of another version than mbgatectl: {}",
+                                             exception.what())};
   }
 }
 
@@ -84,17 +85,19 @@ class Blocks {
 class InPlace {
  public:
   InPlace(Screen& screen, std::chrono::nanoseconds every)
-      : screen_(screen), rest_of_title_(", every " + config::to_text(every) + "; q ends\n") {}
+      : screen_(screen),
+        rest_of_title_(fmt::format(", every {}; q ends\n", config::to_text(every))) {}
 
   void show(const StatusAnswer& status) {
     const std::string time = time_now();
-    std::string text = "mbgatectl status, " + time + rest_of_title_;
+    std::string text = fmt::format("mbgatectl status, {}{}", time, rest_of_title_);
     if (status) {
       text += *status;
       last_answer_ = time;
     } else {
       text += status.error().text + "\n";
-      text += last_answer_.empty() ? "" : "The last answer came at " + last_answer_ + ".\n";
+      text +=
+          last_answer_.empty() ? "" : fmt::format("The last answer came at {}.\n", last_answer_);
     }
     screen_.show(std::move(text));
   }
@@ -218,7 +221,7 @@ int follow_events(const EventsCommand& command, std::ostream& out, std::ostream&
   try {
     why = follow_control(command.socket, "/api/v1/events", interruption, print);
   } catch (const std::exception& exception) {
-    why = std::string("mbgated is of another version than mbgatectl: ") + exception.what();
+    why = fmt::format("mbgated is of another version than mbgatectl: {}", exception.what());
   }
   return why.empty() ? kExitNotDone
                      : report_failure({kExitNotDone, why}, command.json, out, errors);

@@ -6,8 +6,7 @@
 #include <boost/json/value.hpp>
 #include <boost/json/value_to.hpp>
 #include <cmath>
-#include <cstdio>
-#include <span>
+#include <fmt/core.h>
 #include <tuple>
 #include <vector>
 
@@ -40,9 +39,7 @@ std::string milliseconds(const value& duration) {
   }
   const auto number = duration.to_number<double>();
   constexpr double kShort = 10;
-  char text[32];
-  std::snprintf(text, sizeof text, number < kShort ? "%.1f" : "%.0f", number);
-  return text;
+  return number < kShort ? fmt::format("{:.1f}", number) : fmt::format("{:.0f}", number);
 }
 
 std::string age(double seconds) {
@@ -51,46 +48,13 @@ std::string age(double seconds) {
   constexpr long long kHour = 60 * kMinute;
   constexpr long long kDay = 24 * kHour;
   if (whole < 2 * kMinute) {
-    return std::to_string(whole) + " s";
+    return fmt::format("{} s", whole);
   }
   if (whole < 2 * kHour) {
-    return std::to_string(whole / kMinute) + " min";
+    return fmt::format("{} min", whole / kMinute);
   }
-  return whole < 2 * kDay ? std::to_string(whole / kHour) + " h"
-                          : std::to_string(whole / kDay) + " days";
-}
-
-// Columns as wide as their widest entry; what is a number stands at the right. `details`: what
-// stands below each row, perhaps nothing.
-std::string table(const Row& head, std::span<const Row> rows, std::size_t words,
-                  std::span<const std::string> details = {}) {
-  std::vector<std::size_t> widths;
-  for (std::size_t column = 0; column < head.size(); ++column) {
-    std::size_t width = head[column].size();
-    for (const Row& row : rows) {
-      width = std::max(width, row[column].size());
-    }
-    widths.push_back(width);
-  }
-  std::string all;
-  const auto add = [&](const Row& row) {
-    std::string line;
-    for (std::size_t column = 0; column < row.size(); ++column) {
-      const std::string blanks(widths[column] - row[column].size(), ' ');
-      line += (column == 0 ? "" : "  ");
-      line += column < words ? row[column] + blanks : blanks + row[column];
-    }
-    line.erase(line.find_last_not_of(' ') + 1);
-    all += line + "\n";
-  };
-  add(head);
-  for (std::size_t at = 0; at < rows.size(); ++at) {
-    add(rows[at]);
-    if (at < details.size()) {
-      all += details[at];
-    }
-  }
-  return all;
+  return whole < 2 * kDay ? fmt::format("{} h", whole / kHour)
+                          : fmt::format("{} days", whole / kDay);
 }
 
 std::string diagnoses_text(const boost::json::array& diagnoses) {
@@ -100,9 +64,9 @@ std::string diagnoses_text(const boost::json::array& diagnoses) {
   std::string all = "FAULTS\n";
   for (const value& one : diagnoses) {
     const object& diagnosis = one.as_object();
-    all += "  " + text(diagnosis, "subject") + ": " + text(diagnosis, "finding") + "\n";
-    all += "      because: " + text(diagnosis, "evidence") + "\n";
-    all += "      look at: " + text(diagnosis, "look_at") + "\n";
+    all += fmt::format("  {}: {}\n", text(diagnosis, "subject"), text(diagnosis, "finding"));
+    all += fmt::format("      because: {}\n", text(diagnosis, "evidence"));
+    all += fmt::format("      look at: {}\n", text(diagnosis, "look_at"));
   }
   return all;
 }
@@ -111,21 +75,20 @@ std::string buses_text(const boost::json::array& buses) {
   if (buses.empty()) {
     return "no [[bus]] is configured\n";
   }
-  std::vector<Row> rows;
+  std::vector<Row> rows{{"BUS", "LINE", "MODE", "STATE", "LOAD", "WAITING", "ANSWERS", "TIMEOUTS",
+                         "BAD CRC", "LATE"}};
   for (const value& one : buses) {
     const object& bus = one.as_object();
     const object& counters = bus.at("counters").as_object();
-    rows.push_back({text(bus, "name"), text(bus, "line"),
-                    bus.at("baud").is_null() ? text(bus, "discipline")
-                                             : whole(bus, "baud") + " " + text(bus, "format"),
-                    bus.at("open").as_bool() ? "open" : "not open",
-                    whole(bus, "load_percent") + " %", whole(bus, "waiting"),
-                    whole(counters, "responses"), whole(counters, "timeouts"),
-                    whole(counters, "bad_crcs"), whole(counters, "late_responses")});
+    rows.push_back(
+        {text(bus, "name"), text(bus, "line"),
+         bus.at("baud").is_null() ? text(bus, "discipline")
+                                  : fmt::format("{} {}", whole(bus, "baud"), text(bus, "format")),
+         bus.at("open").as_bool() ? "open" : "not open", whole(bus, "load_percent") + " %",
+         whole(bus, "waiting"), whole(counters, "responses"), whole(counters, "timeouts"),
+         whole(counters, "bad_crcs"), whole(counters, "late_responses")});
   }
-  return table(
-      {"BUS", "LINE", "MODE", "STATE", "LOAD", "WAITING", "ANSWERS", "TIMEOUTS", "BAD CRC", "LATE"},
-      rows, 4);
+  return columns(rows, {.indent = "", .words = 4});
 }
 
 // Those that do not answer first, then those whose answers are bad, then the slow ones.
@@ -153,9 +116,9 @@ std::string exceptions_text(const object& exceptions) {
       constexpr int kHexadecimal = 16;
       const auto name = modbus::exception_name(
           static_cast<std::uint8_t>(std::stoul(std::string(code), nullptr, kHexadecimal)));
-      all += visible_text(code) + (name.empty() ? "" : " (" + std::string(name) + ")");
+      all += visible_text(code) + (name.empty() ? "" : fmt::format(" ({})", name));
     }
-    all += ": " + std::to_string(count.to_number<std::uint64_t>());
+    all += fmt::format(": {}", count.to_number<std::uint64_t>());
   }
   return all.empty() ? all : all + "\n";
 }
@@ -164,14 +127,16 @@ std::string exceptions_text(const object& exceptions) {
 std::string state_text(const object& device) {
   const std::string state = text(device, "state");
   const value& since = device.at("state_since_s");
-  return state == "answering" || since.is_null() ? state
-                                                 : state + " for " + age(since.to_number<double>());
+  return state == "answering" || since.is_null()
+             ? state
+             : fmt::format("{} for {}", state, age(since.to_number<double>()));
 }
 
 std::string devices_text(boost::json::array devices) {
   std::ranges::stable_sort(devices, is_worse);
-  std::vector<Row> rows;
-  std::vector<std::string> details;
+  std::vector<Row> rows{{"DEVICE", "BUS", "ADDRESS", "STATE", "ANSWERS", "TIMEOUTS", "BAD CRC",
+                         "LATE", "QUEUE", "WIRE", "DRIVE", "P90", "P99"}};
+  std::vector<std::string> details(1);
   for (const value& one : devices) {
     const object& device = one.as_object();
     const object& counters = device.at("counters").as_object();
@@ -187,32 +152,29 @@ std::string devices_text(boost::json::array devices) {
                     milliseconds(own.at("p99"))});
     details.push_back(exceptions_text(device.at("exceptions").as_object()));
   }
-  return table({"DEVICE", "BUS", "ADDRESS", "STATE", "ANSWERS", "TIMEOUTS", "BAD CRC", "LATE",
-                "QUEUE", "WIRE", "DRIVE", "P90", "P99"},
-               rows, 4, details);
+  return columns(rows, {.indent = "", .words = 4, .below = details});
 }
 
 std::string clients_text(const boost::json::array& clients) {
-  std::vector<Row> rows;
+  std::vector<Row> rows{{"CLIENT", "LISTENER", "REQUESTS", "OUTSTANDING", "REFUSED"}};
   for (const value& one : clients) {
     const object& client = one.as_object();
     rows.push_back({text(client, "address"), text(client, "listener"), whole(client, "requests"),
                     whole(client, "outstanding"), whole(client, "refused")});
   }
-  return table({"CLIENT", "LISTENER", "REQUESTS", "OUTSTANDING", "REFUSED"}, rows, 2);
+  return columns(rows, {.indent = "", .words = 2});
 }
 
 }  // namespace
 
 std::string status_text(const object& status) {
   const object& configuration = status.at("configuration").as_object();
-  std::string all =
-      "mbgated " + text(status, "version") + ", up " + age(number(status, "uptime_s")) + ", " +
-      text(configuration, "file") + " as of " + text(configuration, "read_at") + ", " +
-      counted(static_cast<std::uint64_t>(std::llround(number(status, "requests"))), "request") +
-      "\n";
+  std::string all = fmt::format(
+      "mbgated {}, up {}, {} as of {}, {}\n", text(status, "version"),
+      age(number(status, "uptime_s")), text(configuration, "file"), text(configuration, "read_at"),
+      counted(static_cast<std::uint64_t>(std::llround(number(status, "requests"))), "request"));
   if (configuration.contains("sha256")) {  // not of an mbgated of before an upgrade
-    all += "Configuration: sha256 " + text(configuration, "sha256") + "\n";
+    all += fmt::format("Configuration: sha256 {}\n", text(configuration, "sha256"));
   }
   if (configuration.at("reload_refused").as_bool()) {
     all += "The last reload was refused: the settings in force are older than the file.\n";
@@ -221,9 +183,10 @@ std::string status_text(const object& status) {
   all += "\n" + buses_text(status.at("buses").as_array());
   const boost::json::array& devices = status.at("devices").as_array();
   if (!devices.empty()) {
-    all += "\n" + devices_text(devices) +
-           "QUEUE, WIRE, DRIVE: half of the requests took so many ms or less there; P90, P99: nine "
-           "tenths and 99 of 100 of DRIVE\n";
+    all += fmt::format(
+        "\n{}QUEUE, WIRE, DRIVE: half of the requests took so many ms or less there; P90, P99: "
+        "nine tenths and 99 of 100 of DRIVE\n",
+        devices_text(devices));
   }
   const boost::json::array& clients = status.at("clients").as_array();
   if (!clients.empty()) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <fmt/core.h>
 #include <iterator>
 
 #include "base/text.hpp"
@@ -12,7 +13,7 @@ namespace mbgate::ctl {
 namespace {
 
 std::string share_text(std::size_t part, std::size_t whole) {
-  return " (" + std::to_string((part * 100 + whole / 2) / whole) + " %)";
+  return fmt::format(" ({} %)", (part * 100 + whole / 2) / whole);
 }
 
 void append_part(std::string& text, const std::string& part) {
@@ -23,23 +24,24 @@ std::string times_text(const std::vector<std::chrono::nanoseconds>& times) {
   if (times.empty()) {
     return {};
   }
-  return ", " + tenths_text(times.front()) + " to " + tenths_text(times.back()) +
-         " after the request, half of them within " + tenths_text(times[(times.size() - 1) / 2]);
+  return fmt::format(", {} to {} after the request, half of them within {}",
+                     tenths_text(times.front()), tenths_text(times.back()),
+                     tenths_text(times[(times.size() - 1) / 2]));
 }
 
 /// "3 with a bad CRC (15 %), 2 not answered": what went wrong.
 std::string failures_text(const Tally& tally) {
   std::string text;
   if (tally.bad_crcs > 0) {
-    append_part(text, std::to_string(tally.bad_crcs) + " with a bad CRC" +
-                          share_text(tally.bad_crcs, tally.asked));
+    append_part(text, fmt::format("{} with a bad CRC{}", tally.bad_crcs,
+                                  share_text(tally.bad_crcs, tally.asked)));
   }
   if (tally.noise > 0) {
-    append_part(text, std::to_string(tally.noise) + " with bytes that are no frame" +
-                          share_text(tally.noise, tally.asked));
+    append_part(text, fmt::format("{} with bytes that are no frame{}", tally.noise,
+                                  share_text(tally.noise, tally.asked)));
   }
   if (tally.others > 0) {
-    append_part(text, std::to_string(tally.others) + " with a frame that is not the answer");
+    append_part(text, fmt::format("{} with a frame that is not the answer", tally.others));
   }
   if (tally.silent > 0) {
     append_part(
@@ -49,8 +51,8 @@ std::string failures_text(const Tally& tally) {
 }
 
 std::string answered_text(const Tally& tally) {
-  std::string text = std::to_string(tally.answered) + " of " + std::to_string(tally.asked) +
-                     " requests answered" + times_text(tally.times);
+  std::string text = fmt::format("{} of {} requests answered{}", tally.answered, tally.asked,
+                                 times_text(tally.times));
   if (const auto failures = failures_text(tally); !failures.empty()) {
     text += "; " + failures;
   }
@@ -60,7 +62,7 @@ std::string answered_text(const Tally& tally) {
 std::string unanswered_text(const Tally& tally) {
   const auto text = "no answer to " + counted(tally.asked, "request");
   if (tally.silent < tally.asked) {
-    return text + ": " + failures_text(tally);
+    return fmt::format("{}: {}", text, failures_text(tally));
   }
   if (tally.overdue > 0) {
     return text + " in time";
@@ -79,15 +81,16 @@ std::string needed_timeout(const Tally& tally, const PlannedUnit& unit) {
 
 /// Of a unit of which no answer was understood, while bytes came.
 std::string garbled_advice(const LinePlan& plan, const std::string& scan, bool others_answer) {
-  return others_answer ? "two devices at this address whose answers overlap, or its own rate, "
-                         "parity, wires or transceiver: switch it off, and see whether something "
-                         "still answers"
-                       : "rate or parity, here " + mode_text(plan.mode) + " (" + scan +
-                             "); A and B; two devices at one address";
+  return others_answer
+             ? "two devices at this address whose answers overlap, or its own rate, "
+               "parity, wires or transceiver: switch it off, and see whether something "
+               "still answers"
+             : fmt::format("rate or parity, here {} ({}); A and B; two devices at one address",
+                           mode_text(plan.mode), scan);
 }
 
 std::string nothing_advice(const LinePlan& plan, const Tally& tally, bool others_answer) {
-  const auto scan = "mbgatectl scan --device " + plan.device + " finds those that answer";
+  const auto scan = fmt::format("mbgatectl scan --device {} finds those that answer", plan.device);
   if (tally.others > 0 && tally.damaged() == 0) {
     return "a device that answers with another address, or so late that another request was sent "
            "before; or another client on this line";
@@ -96,9 +99,10 @@ std::string nothing_advice(const LinePlan& plan, const Tally& tally, bool others
     return garbled_advice(plan, scan, others_answer);
   }
   return others_answer ? "look at its power, its address, its wires, its rate and parity"
-                       : "look at power; A and B; the address of the drive; its rate and parity, "
-                         "here " +
-                             mode_text(plan.mode) + ": " + scan;
+                       : fmt::format(
+                             "look at power; A and B; the address of the drive; its rate and "
+                             "parity, here {}: {}",
+                             mode_text(plan.mode), scan);
 }
 
 std::string partly_advice(const Tally& tally, bool others_are_well) {
@@ -115,9 +119,9 @@ std::string partly_advice(const Tally& tally, bool others_are_well) {
 
 std::string timeout_text(const PlannedUnit& unit) {
   const auto text = "the timeout of " + config::to_text(unit.timeout);
-  return unit.response_wait.count() == 0
-             ? text
-             : text + " (with a response_wait of " + config::to_text(unit.response_wait) + ")";
+  return unit.response_wait.count() == 0 ? text
+                                         : fmt::format("{} (with a response_wait of {})", text,
+                                                       config::to_text(unit.response_wait));
 }
 
 void append_advice(Finding& finding, const std::string& advice) {
@@ -127,15 +131,15 @@ void append_advice(Finding& finding, const std::string& advice) {
 /// Of a unit with answers that the gateway would not have waited for.
 void judge_late(Finding& finding, const LinePlan& plan, const PlannedUnit& unit,
                 const Tally& tally) {
-  finding.seen += "; " + std::to_string(tally.late) + " later than " + timeout_text(unit);
+  finding.seen += fmt::format("; {} later than {}", tally.late, timeout_text(unit));
   if (tally.times.back() - unit.timeout > plan.adapter_delay) {
     finding.verdict = Judgement::fault;
     append_advice(finding, "set response_timeout to at least " + needed_timeout(tally, unit));
     return;
   }
   finding.verdict = finding.verdict == Judgement::ok ? Judgement::unknown : finding.verdict;
-  finding.seen +=
-      ", by no more than the " + config::to_text(plan.adapter_delay) + " of the adapter's timer";
+  finding.seen += fmt::format(", by no more than the {} of the adapter's timer",
+                              config::to_text(plan.adapter_delay));
   append_advice(finding, "with a timer of 1 ms they may be in time: run this again with it");
 }
 
@@ -143,10 +147,12 @@ void judge_late(Finding& finding, const LinePlan& plan, const PlannedUnit& unit,
 void judge_overdue(Finding& finding, const PlannedUnit& unit, const Tally& tally) {
   const auto wait = config::to_text(answer_wait(unit) - unit.response_wait);
   finding.verdict = Judgement::fault;
-  finding.seen += "; " + counted(tally.overdue, "answer") + " came after more than " +
-                  config::to_text(answer_wait(unit));
-  finding.advice = "set response_timeout to more than " + wait +
-                   ", and run this again; or see why the device takes so long";
+  finding.seen += fmt::format("; {} came after more than {}", counted(tally.overdue, "answer"),
+                              config::to_text(answer_wait(unit)));
+  finding.advice = fmt::format(
+      "set response_timeout to more than {}, and run this again; or see why the device takes so "
+      "long",
+      wait);
 }
 
 /// What is wrong may be of the other client's making.

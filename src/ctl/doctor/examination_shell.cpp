@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <fmt/core.h>
 #include <functional>
 #include <ostream>
 #include <utility>
@@ -118,13 +119,14 @@ std::optional<std::string> examine(const LinePlan& plan, const DoctorCommand& co
 }
 
 std::string announcement(const LinePlan& plan, const DoctorCommand& command) {
-  std::string text = "examining " + plan.device + " at " + mode_text(plan.mode) + ": listens for " +
-                     config::to_text(command.listen);
+  std::string text = fmt::format("examining {} at {}: listens for {}", plan.device,
+                                 mode_text(plan.mode), config::to_text(command.listen));
   if (!plan.nobody) {
-    text += ", then reads holding register " + std::to_string(command.holding_register) + " " +
-            counted(command.requests, "time") +
-            (plan.units.size() == 1 ? " of " + unit_text(plan.units.front())
-                                    : " of each of " + counted(plan.units.size(), "unit"));
+    text +=
+        fmt::format(", then reads holding register {} {}{}", command.holding_register,
+                    counted(command.requests, "time"),
+                    plan.units.size() == 1 ? " of " + unit_text(plan.units.front())
+                                           : " of each of " + counted(plan.units.size(), "unit"));
   }
   return text + "; nothing is written";
 }

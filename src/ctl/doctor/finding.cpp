@@ -2,6 +2,7 @@
 #include "ctl/doctor/finding.hpp"
 
 #include <boost/json.hpp>
+#include <fmt/core.h>
 
 namespace mbgate::ctl {
 namespace {
@@ -18,11 +19,8 @@ const char* verdict_word(Judgement verdict) {
 }  // namespace
 
 std::string finding_line(const Finding& finding) {
-  constexpr std::size_t kWordsWidth = 9;
-  std::string line = verdict_word(finding.verdict);
-  line.resize(kWordsWidth, ' ');
-  line.append(finding.step).append(": ").append(finding.seen);
-  return finding.advice.empty() ? line : line + "; " + finding.advice;
+  return fmt::format("{:<9}{}: {}{}{}", verdict_word(finding.verdict), finding.step, finding.seen,
+                     finding.advice.empty() ? "" : "; ", finding.advice);
 }
 
 std::string findings_json(const std::string& device, const std::vector<Finding>& findings,
@@ -46,7 +44,7 @@ std::string findings_json(const std::string& device, const std::vector<Finding>&
 std::string tenths_text(std::chrono::nanoseconds time) {
   constexpr std::chrono::microseconds kTenth(100);
   const auto tenths = (time + kTenth / 2) / kTenth;
-  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " ms";
+  return fmt::format("{}.{} ms", tenths / 10, tenths % 10);
 }
 
 }  // namespace mbgate::ctl

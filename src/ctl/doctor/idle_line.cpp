@@ -2,6 +2,7 @@
 #include "ctl/doctor/idle_line.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 
 #include "base/text.hpp"
 #include "config/toml/duration_text.hpp"
@@ -30,19 +31,20 @@ Finding frames_finding(const IdleLine& line, const BusFrames& found, const std::
   const auto count = counted(found.frames.size(), "frame");
   const auto first = ", the first: " + first_frame_text(line.heard, found.frames.front());
   if (requests_in(found) > 0) {
-    finding.seen = "another client is on this line: " + count + " heard" + during + first;
+    finding.seen =
+        fmt::format("another client is on this line: {} heard{}{}", count, during, first);
     finding.advice = kOneClient;
   } else if (found.frames.size() > 1) {
-    finding.seen = count + " of devices heard" + during +
-                   ", but not what they answer: another client whose requests do not reach this "
-                   "port, as on four wires" +
-                   first;
+    finding.seen = fmt::format(
+        "{} of devices heard{}, but not what they answer: another client whose requests do not "
+        "reach this port, as on four wires{}",
+        count, during, first);
     finding.advice = kOneClient;
   } else {
     finding.verdict = Judgement::unknown;
-    finding.seen = count + " heard" + during + ": " +
-                   first_frame_text(line.heard, found.frames.front()) +
-                   "; a late answer to a program that has ended, or another client";
+    finding.seen =
+        fmt::format("{} heard{}: {}; a late answer to a program that has ended, or another client",
+                    count, during, first_frame_text(line.heard, found.frames.front()));
     finding.advice = "run this again";
   }
   return finding;
@@ -75,10 +77,10 @@ Finding idle_finding(const IdleLine& line, const LineMode& mode) {
   }
   const modbus::Bytes heard(line.heard);
   Finding finding{Judgement::fault, "idle line", {}};
-  finding.seen = counted(line.bytes, "byte") + " heard" + during + " that " +
-                 (line.bytes == 1 ? "is" : "are") + " no frame at " + mode_text(mode) + ": " +
-                 modbus::hex(heard.first(std::min(heard.size(), kBytesShown))) +
-                 (line.bytes > kBytesShown ? " .." : "");
+  finding.seen = fmt::format("{} heard{} that {} no frame at {}: {}{}", counted(line.bytes, "byte"),
+                             during, line.bytes == 1 ? "is" : "are", mode_text(mode),
+                             modbus::hex(heard.first(std::min(heard.size(), kBytesShown))),
+                             line.bytes > kBytesShown ? " .." : "");
   if (line.bytes <= kFewBytes) {
     finding.verdict = Judgement::unknown;
     finding.advice = "an adapter may make them when it is opened: run this again";

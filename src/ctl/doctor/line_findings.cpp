@@ -2,6 +2,7 @@
 #include "ctl/doctor/line_findings.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 #include <iterator>
 
 #include "base/text.hpp"
@@ -45,8 +46,8 @@ Finding full_echo_finding(const LinePlan& plan) {
 
 Finding doubled_finding(const UnitTrials& unit, const Tally& tally, const Tally& line) {
   Finding finding{Judgement::unknown, "addresses",
-                  std::to_string(tally.doubled) + " of " + counted(tally.asked, "request") +
-                      " to " + unit_text(unit.unit) + " had two whole answers"};
+                  fmt::format("{} of {} to {} had two whole answers", tally.doubled,
+                              counted(tally.asked, "request"), unit_text(unit.unit))};
   if (line.other_client) {
     finding.seen += ", but another client asks on this line too";
     finding.advice = "take the other client off, and run this again";
@@ -58,10 +59,10 @@ Finding doubled_finding(const UnitTrials& unit, const Tally& tally, const Tally&
   } else {
     finding.verdict = Judgement::fault;
     finding.seen += ", and no request but ours was heard";
-    finding.advice = "two devices at address " + std::to_string(unit.unit.address) +
-                     ", or another client whose requests are not heard here, or a line that hears "
-                     "what it sends: switch the device off, and see whether something still "
-                     "answers";
+    finding.advice = fmt::format(
+        "two devices at address {}, or another client whose requests are not heard here, or a line "
+        "that hears what it sends: switch the device off, and see whether something still answers",
+        unit.unit.address);
   }
   return finding;
 }
@@ -72,18 +73,20 @@ bool is_always_damaged(const Tally& tally) {
 
 /// Two answers that overlap damage each other, but so do others.
 Finding damaged_finding(const UnitTrials& unit, const Tally& tally) {
-  return {Judgement::unknown, "addresses",
-          "each answer of " + unit_text(unit.unit) + " is damaged (up to " +
-              counted(tally.most_bytes, "byte") +
-              "), while others answer well: two devices whose answers overlap would look so, and "
-              "so would its own rate, parity, wires or transceiver",
-          "switch it off: if something still answers, there is a second one"};
+  return {
+      Judgement::unknown, "addresses",
+      fmt::format(
+          "each answer of {} is damaged (up to {}), while others answer well: two devices whose "
+          "answers overlap would look so, and so would its own rate, parity, wires or transceiver",
+          unit_text(unit.unit), counted(tally.most_bytes, "byte")),
+      "switch it off: if something still answers, there is a second one"};
 }
 
 Finding other_client_finding(const std::string& request) {
-  return {Judgement::fault, "other client",
-          "a request was heard that is not ours: " + request + "; nobody was asked any more",
-          kOneClient};
+  return {
+      Judgement::fault, "other client",
+      fmt::format("a request was heard that is not ours: {}; nobody was asked any more", request),
+      kOneClient};
 }
 
 Finding unasked_finding(const Unasked& unasked) {
@@ -121,8 +124,8 @@ Finding echo_finding(const LinePlan& plan, const std::vector<UnitTrials>& units)
   }
   if (line.echoes > 0) {
     return {Judgement::fault, "echo",
-            std::to_string(line.echoes) + " of " + counted(line.asked, "request") +
-                " came back as they were sent, the others did not",
+            fmt::format("{} of {} came back as they were sent, the others did not", line.echoes,
+                        counted(line.asked, "request")),
             "look for another client that sends at the same time, and for an adapter that loses "
             "bytes"};
   }

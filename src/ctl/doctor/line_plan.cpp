@@ -2,7 +2,9 @@
 #include "ctl/doctor/line_plan.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 
+#include "base/text.hpp"
 #include "modbus/make_request.hpp"
 
 namespace mbgate::ctl {
@@ -11,11 +13,7 @@ namespace {
 using bus::BusSettings;
 
 std::string names_of(const std::vector<const BusSettings*>& buses) {
-  std::string text;
-  for (const auto* bus : buses) {
-    text.append(text.empty() ? "" : ", ").append(bus->name);
-  }
-  return text;
+  return joined(buses, &BusSettings::name);
 }
 
 std::vector<const BusSettings*> buses_of(const gateway::Settings& settings, bool serial_only) {
@@ -40,7 +38,8 @@ Result<const BusSettings*, std::string> find_bus(const std::string& name,
   }
   const auto found = std::ranges::find(buses, name, &BusSettings::name);
   if (found == buses.end()) {
-    return "there is no bus " + name + " in the configuration; there is " + names_of(buses);
+    return fmt::format("there is no bus {} in the configuration; there is {}", name,
+                       names_of(buses));
   }
   return *found;
 }
@@ -48,11 +47,12 @@ Result<const BusSettings*, std::string> find_bus(const std::string& name,
 /// Why the bus cannot be examined.
 std::optional<std::string> find_obstacle(const BusSettings& bus) {
   if (bus.line.remote) {
-    return "bus " + bus.name + " is a TCP connection to " + bus.line.remote->host +
-           ", no serial port";
+    return fmt::format("bus {} is a TCP connection to {}, no serial port", bus.name,
+                       bus.line.remote->host);
   }
   if (bus.line.framing != bus::Framing::rtu) {
-    return "bus " + bus.name + " has ASCII frames: only lines with RTU frames can be examined";
+    return fmt::format("bus {} has ASCII frames: only lines with RTU frames can be examined",
+                       bus.name);
   }
   return std::nullopt;
 }
@@ -86,8 +86,8 @@ std::vector<PlannedUnit> units_of(const DoctorCommand& command, const BusSetting
 }  // namespace
 
 std::string unit_text(const PlannedUnit& unit) {
-  const auto text = "unit " + std::to_string(unit.address);
-  return unit.name.empty() ? text : text + " (" + unit.name + ")";
+  const auto text = fmt::format("unit {}", unit.address);
+  return unit.name.empty() ? text : fmt::format("{} ({})", text, unit.name);
 }
 
 LinePlan plan_of_port(const DoctorCommand& command) {
@@ -96,10 +96,10 @@ LinePlan plan_of_port(const DoctorCommand& command) {
     plan.units.push_back({.address = address, .timeout = command.port->timeout});
   }
   if (plan.units.empty()) {
-    plan.nobody =
-        "it is not known who is there: name a unit with --address, or find one with "
-        "mbgatectl scan --device " +
-        plan.device;
+    plan.nobody = fmt::format(
+        "it is not known who is there: name a unit with --address, or find one with mbgatectl scan "
+        "--device {}",
+        plan.device);
   }
   return plan;
 }

@@ -9,16 +9,15 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
+#include <fmt/core.h>
 #include <fstream>
 #include <iterator>
 #include <sstream>
 
+#include "base/text.hpp"
 #include "ctl/serial/serial_port.hpp"
 
 namespace mbgate::ctl {
@@ -72,23 +71,13 @@ std::string line_of_file(const fs::path& path) {
   return line;
 }
 
-std::optional<int> number_in(const std::string& text) {
-  int number = 0;
-  const char* end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), end, number);
-  return error == std::errc{} && at == end ? std::optional(number) : std::nullopt;
-}
-
 Holder holder_of(int process) {
-  return {process, line_of_file("/proc/" + std::to_string(process) + "/comm")};
+  return {process, line_of_file(fmt::format("/proc/{}/comm", process))};
 }
 
 /// As /proc/locks names a file: "00:06:123", the device in hexadecimal, and the inode.
 std::string lock_name(const struct stat& status) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%02x:%02x:%ju", major(status.st_dev),
-                minor(status.st_dev), static_cast<std::uintmax_t>(status.st_ino));
-  return text.data();
+  return fmt::format("{:02x}:{:02x}:{}", major(status.st_dev), minor(status.st_dev), status.st_ino);
 }
 
 bool has_open(const fs::path& process, dev_t port) {
@@ -147,7 +136,7 @@ std::vector<Holder> find_holders(const std::string& device) {
   std::error_code error;
   for (fs::directory_iterator entry("/proc", error), end; !error && entry != end;
        entry.increment(error)) {
-    const auto process = number_in(entry->path().filename().string());
+    const auto process = integer_in<int>(entry->path().filename().string());
     if (process && *process != ::getpid() && has_open(entry->path(), port.st_rdev)) {
       holders.push_back(holder_of(*process));
     }
@@ -181,9 +170,9 @@ std::vector<Holder> find_lock_holders(const std::string& device) {
 LatencyFacts look_at_latency(const std::string& device) {
   const auto path = real_path(device);
   const auto name = path.substr(path.rfind('/') + 1);
-  const auto text = line_of_file("/sys/class/tty/" + name + "/device/latency_timer");
+  const auto text = line_of_file(fmt::format("/sys/class/tty/{}/device/latency_timer", name));
   LatencyFacts facts{path};
-  if (const auto timer = number_in(text); timer && *timer >= 0) {
+  if (const auto timer = integer_in<int>(text); timer && *timer >= 0) {
     facts.timer = static_cast<unsigned>(*timer);
   }
   return facts;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/doctor/port_findings.hpp"
 
-#include <array>
-#include <cstdio>
+#include <fmt/format.h>
 #include <system_error>
 
+#include "base/text.hpp"
 #include "ctl/serial/serial_port.hpp"
 
 namespace mbgate::ctl {
@@ -14,28 +14,11 @@ constexpr unsigned kGroupReadsAndWrites = 0060;
 /// What an FTDI chip collects for no longer is no delay worth a word.
 constexpr unsigned kShortTimer = 2;
 
-std::string listed_names(const std::vector<std::string>& names) {
-  std::string text;
-  for (const auto& name : names) {
-    text.append(text.empty() ? "" : ", ").append(name);
-  }
-  return text;
-}
-
-std::string octal(unsigned mode) {
-  std::array<char, 16> text{};
-  std::snprintf(text.data(), text.size(), "%04o", mode);
-  return text.data();
-}
-
 /// "mbgated (process 12)"
 std::string holders_text(const std::vector<Holder>& holders) {
-  std::string text;
-  for (const auto& holder : holders) {
-    text.append(text.empty() ? "" : ", ").append(holder.name);
-    text.append(" (process ").append(std::to_string(holder.process)).append(")");
-  }
-  return text;
+  return joined(holders, [](const Holder& it) {
+    return fmt::format("{} (process {})", it.name, it.process);
+  });
 }
 
 bool is_gateway(const Holder& holder) { return holder.name == "mbgated"; }
@@ -55,37 +38,36 @@ Finding port_finding(const std::string& device, const PortFacts& facts) {
     finding.verdict = Judgement::ok;
     finding.seen = device + " is there";
     if (!facts.is_lasting && !facts.leading.empty()) {
-      finding.advice =
-          "where adapters are plugged in otherwise it may be another one; this name "
-          "stays: " +
-          listed_names(facts.leading);
+      finding.advice = fmt::format(
+          "where adapters are plugged in otherwise it may be another one; this name stays: {}",
+          fmt::join(facts.leading, ", "));
     }
   }
   return finding;
 }
 
 Finding permission_finding(const std::string& device, const PermissionFacts& facts) {
-  Finding finding{Judgement::ok, "permission", facts.user + " may open " + device};
+  Finding finding{Judgement::ok, "permission", fmt::format("{} may open {}", facts.user, device)};
   if (facts.error == 0) {
     return finding;
   }
   finding.verdict = Judgement::fault;
-  finding.seen = facts.user + " may not open " + device + ": ";
+  finding.seen = fmt::format("{} may not open {}: ", facts.user, device);
   const bool group_may = (facts.mode & kGroupReadsAndWrites) == kGroupReadsAndWrites;
   if (!group_may) {
     finding.seen +=
-        "its mode is " + octal(facts.mode) + ", of " + facts.owner + " and group " + facts.group;
+        fmt::format("its mode is {:04o}, of {} and group {}", facts.mode, facts.owner, facts.group);
     finding.advice = "a udev rule must give it to a group, or run this with sudo";
   } else if (facts.is_member) {
-    finding.seen +=
-        std::generic_category().message(facts.error) + ", though a member of group " + facts.group;
+    finding.seen += fmt::format("{}, though a member of group {}",
+                                std::generic_category().message(facts.error), facts.group);
     finding.advice = "what else forbids it? getfacl " + device;
   } else if (facts.becomes_member) {
-    finding.seen += "a member of group " + facts.group + ", but not since the last login";
+    finding.seen += fmt::format("a member of group {}, but not since the last login", facts.group);
     finding.advice = "log in again";
   } else {
-    finding.seen += "no member of group " + facts.group + ", which owns it";
-    finding.advice = "sudo adduser " + facts.user + " " + facts.group + ", then log in again";
+    finding.seen += fmt::format("no member of group {}, which owns it", facts.group);
+    finding.advice = fmt::format("sudo adduser {} {}, then log in again", facts.user, facts.group);
   }
   return finding;
 }
@@ -93,13 +75,14 @@ Finding permission_finding(const std::string& device, const PermissionFacts& fac
 Finding held_finding(const std::string& device, const std::vector<Holder>& holders) {
   Finding finding{Judgement::fault, "holder", "a gateway or another program holds " + device};
   if (holders.empty()) {
-    finding.advice = "sudo fuser -v " + device +
-                     " names it; a gateway is stopped with sudo systemctl stop mbgated, or asked "
-                     "with mbgatectl status";
+    finding.advice = fmt::format(
+        "sudo fuser -v {} names it; a gateway is stopped with sudo systemctl stop mbgated, or "
+        "asked with mbgatectl status",
+        device);
     return finding;
   }
-  finding.seen = holders_text(holders) + (holders.size() == 1 ? " has " : " have ") + device +
-                 " open, and it is locked";
+  finding.seen = fmt::format("{}{}{} open, and it is locked", holders_text(holders),
+                             holders.size() == 1 ? " has " : " have ", device);
   finding.advice = is_gateway(holders.front())
                        ? "ask it with mbgatectl status, or stop it: sudo systemctl stop mbgated"
                        : "end it first";
@@ -110,10 +93,12 @@ Finding free_finding(const std::string& device, const std::vector<Holder>& other
   if (others.empty()) {
     return {Judgement::ok, "holder", "no other program is seen to have it open"};
   }
-  return {Judgement::fault, "holder",
-          holders_text(others) + (others.size() == 1 ? " has " : " have ") + device +
-              " open too; nothing was sent, because each takes bytes that are not meant for it",
-          "end it first"};
+  return {
+      Judgement::fault, "holder",
+      fmt::format(
+          "{}{}{} open too; nothing was sent, because each takes bytes that are not meant for it",
+          holders_text(others), others.size() == 1 ? " has " : " have ", device),
+      "end it first"};
 }
 
 Finding latency_finding(const LatencyFacts& facts) {
@@ -123,7 +108,7 @@ Finding latency_finding(const LatencyFacts& facts) {
     return finding;
   }
   finding.verdict = Judgement::ok;
-  finding.seen = "the adapter hands bytes over after " + std::to_string(*facts.timer) + " ms";
+  finding.seen = fmt::format("the adapter hands bytes over after {} ms", *facts.timer);
   if (*facts.timer <= kShortTimer) {
     return finding;
   }

@@ -4,9 +4,10 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
-#include <charconv>
+#include <fmt/core.h>
 #include <memory>
 
+#include "base/text.hpp"
 #include "ctl/options/subcommands.hpp"
 #include "modbus/codes.hpp"
 
@@ -32,12 +33,8 @@ struct TraceWords {
 std::optional<std::uint8_t> function_code(std::string_view text) {
   const bool is_hex = text.starts_with("0x") || text.starts_with("0X");
   text.remove_prefix(is_hex ? 2 : 0);
-  std::uint8_t code = 0;
-  const char* const end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data(), end, code, is_hex ? 16 : 10);
-  const bool is_code =
-      parsed.ec == std::errc() && parsed.ptr == end && modbus::is_request_function(code);
-  return is_code ? std::optional(code) : std::nullopt;
+  const auto code = integer_in<std::uint8_t>(text, is_hex ? 16 : 10);
+  return code && modbus::is_request_function(*code) ? code : std::nullopt;
 }
 
 bool is_ip_address(const std::string& text) {
@@ -49,14 +46,14 @@ bool is_ip_address(const std::string& text) {
 TraceCommand trace_of(const TraceWords& words) {
   TraceCommand trace = words.command;
   if (!trace.filter.client.empty() && !is_ip_address(trace.filter.client)) {
-    throw WrongUsage("--client \"" + trace.filter.client +
-                     "\" is not an IP address, like 192.168.10.5 or fd00::5");
+    throw WrongUsage(fmt::format(
+        "--client \"{}\" is not an IP address, like 192.168.10.5 or fd00::5", trace.filter.client));
   }
   if (!words.function.empty()) {
     trace.filter.function = function_code(words.function);
     if (!trace.filter.function) {
-      throw WrongUsage("--function \"" + words.function +
-                       "\" is not a function code: 1 to 127, like 3 or 0x10");
+      throw WrongUsage(fmt::format(
+          "--function \"{}\" is not a function code: 1 to 127, like 3 or 0x10", words.function));
     }
   }
   if (trace.pcapng == "-" && trace.json) {

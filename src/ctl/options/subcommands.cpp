@@ -2,6 +2,7 @@
 #include "ctl/options/subcommands.hpp"
 
 #include <CLI/CLI.hpp>
+#include <fmt/core.h>
 #include <memory>
 
 #include "config/toml/duration_text.hpp"
@@ -16,8 +17,8 @@ constexpr std::uint16_t kTlsPort = 802;  // registered for Modbus/TCP Security
 std::chrono::nanoseconds parse_time(const std::string& text, std::chrono::milliseconds least) {
   const auto time = config::parse_duration(text);
   if (!time || *time < least) {
-    throw WrongUsage("\"" + text + "\" is not a time of at least " + config::to_text(least) +
-                     ", like 500ms or 5s");
+    throw WrongUsage(fmt::format("\"{}\" is not a time of at least {}, like 500ms or 5s", text,
+                                 config::to_text(least)));
   }
   return *time;
 }

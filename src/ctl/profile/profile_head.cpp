@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The head of a profile's text: one line for each thing that concerns the whole drive.
 #include <array>
+#include <fmt/core.h>
 #include <utility>
 
 #include "base/text.hpp"
 #include "config/toml/duration_text.hpp"
 #include "ctl/profile/profile_text.hpp"
+#include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -47,9 +49,10 @@ std::string order_text(const ProfileFile& file) {
     return joined(
         list, [](std::uint16_t code) { return std::to_string(code); }, " or ");
   };
-  return "set at the drive: " + file.number(Table::holding_registers, place.address) + " holds " +
-         codes(place.big) + " when big, " + codes(place.little) + " when little" +
-         (file.word_order_line ? " (line " + line_text(file.word_order_line) + ")" : "");
+  return fmt::format(
+      "set at the drive: {} holds {} when big, {} when little{}",
+      file.number(Table::holding_registers, place.address), codes(place.big), codes(place.little),
+      file.word_order_line ? fmt::format(" (line {})", line_text(file.word_order_line)) : "");
 }
 
 /// "50 holding registers", "1 input register"
@@ -58,7 +61,7 @@ std::string limit_text(std::uint16_t limit, Table table) {
   if (limit == 1) {
     name.remove_suffix(1);
   }
-  return std::to_string(limit) + " " + std::string(name);
+  return fmt::format("{} {}", limit, name);
 }
 
 std::string acceptances_text(const drive::Profile& profile) {
@@ -95,7 +98,7 @@ std::string writes_text(const ProfileFile& file) {
     limits.push_back(limit_text(profile.limits.write_registers, Table::holding_registers));
   }
   if (profile.write_function) {
-    limits.push_back("preferably with function " + std::to_string(*profile.write_function));
+    limits.push_back(fmt::format("preferably with function {}", *profile.write_function));
   }
   return joined(limits, [](const std::string& limit) { return limit; });
 }
@@ -105,17 +108,17 @@ std::string broadcast_text(const ProfileFile& file) {
   if (!broadcast.form) {
     return "none stated";
   }
-  std::string text = "at address " + std::to_string(broadcast.form->address);
+  std::string text = fmt::format("at address {}", broadcast.form->address);
   if (broadcast.form->function_or != 0) {
-    text += ", with function codes OR 0x" + hex_text(broadcast.form->function_or, 2);
+    text += fmt::format(", with function codes OR 0x{:02X}", broadcast.form->function_or);
   }
   if (broadcast.most_registers) {
-    text += ", at most " + std::to_string(*broadcast.most_registers) + " registers";
+    text += fmt::format(", at most {} registers", *broadcast.most_registers);
   }
   if (!file.broadcast_allowed.empty()) {
     text += ", only to " + joined(file.broadcast_allowed, [&](const auto& allowed) {
-              return std::string(table_name(allowed.fact.table)) + " " +
-                     number_text(file, allowed.fact);
+              return fmt::format("{} {}", table_name(allowed.fact.table),
+                                 number_text(file, allowed.fact));
             });
   }
   return text;
@@ -132,8 +135,8 @@ std::string profile_head(const config::ProfileFile& file) {
   if (!file.path.empty()) {
     rows.push_back({"file", file.path});
   }
-  rows.push_back({"addresses", std::to_string(profile.first_address) + "-" +
-                                   std::to_string(profile.last_address) + " on a serial line"});
+  rows.push_back({"addresses", fmt::format("{}-{} on a serial line", profile.first_address,
+                                           profile.last_address)});
   rows.push_back({"functions", functions_text(file)});
   if (profile.acceptances.any()) {
     rows.push_back({"accepts with", acceptances_text(profile)});
@@ -149,10 +152,10 @@ std::string profile_head(const config::ProfileFile& file) {
   }
   rows.push_back({"response wait", to_text(profile.response_wait)});
   rows.push_back({"broadcasts", broadcast_text(file)});
-  return profile.name + ": " + file.description + "\n" + columns(rows);
+  return fmt::format("{}: {}\n{}", profile.name, file.description, columns(rows));
 }
 
-std::string hex(unsigned number) { return "0x" + hex_text(number, 4); }
+std::string hex(unsigned number) { return fmt::format("0x{:04X}", number); }
 
 std::string_view table_name(Table table) {
   switch (table) {
@@ -170,8 +173,9 @@ std::string line_text(const std::optional<std::uint32_t>& line) {
 
 std::string number_text(const ProfileFile& file, const drive::TableRange& range) {
   const auto first = file.number(range.table, range.first);
-  return range.count == 1 ? first
-                          : first + "-" + file.number(range.table, drive::end_of(range) - 1);
+  return range.count == 1
+             ? first
+             : fmt::format("{}-{}", first, file.number(range.table, drive::end_of(range) - 1));
 }
 
 }  // namespace mbgate::ctl

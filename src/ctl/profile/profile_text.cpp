@@ -2,13 +2,16 @@
 #include "ctl/profile/profile_text.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 #include <ostream>
 #include <utility>
 
+#include "base/text.hpp"
 #include "config/profiles/profile_library.hpp"
 #include "config/toml/duration_text.hpp"
 #include "config/toml/match_entry.hpp"
 #include "ctl/request/carry_out.hpp"
+#include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -19,12 +22,6 @@ using config::to_text;
 using drive::WriteMatch;
 using modbus::Table;
 using Rows = std::vector<std::vector<std::string>>;
-
-/// Characters, not bytes.
-std::size_t width_of(const std::string& text) {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      text, [](char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U; }));
-}
 
 std::string name_text(const Source& source, std::string_view besides = {}) {
   std::string text = source.name;
@@ -39,7 +36,7 @@ std::string name_text(const Source& source, std::string_view besides = {}) {
 /// "4", "4-5"; as a manual prints them "40005", "40005-40006".
 std::string address_text(const drive::TableRange& range) {
   const auto first = std::to_string(range.first);
-  return range.count == 1 ? first : first + "-" + std::to_string(drive::end_of(range) - 1);
+  return range.count == 1 ? first : fmt::format("{}-{}", first, drive::end_of(range) - 1);
 }
 void add_section(std::string& text, std::string_view title, Rows rows,
                  std::vector<std::string> header) {
@@ -47,7 +44,7 @@ void add_section(std::string& text, std::string_view title, Rows rows,
     return;
   }
   rows.insert(rows.begin(), std::move(header));
-  text.append("\n").append(title).append("\n").append(columns(rows));
+  text += fmt::format("\n{}\n{}", title, columns(rows));
 }
 
 template <typename Match>
@@ -55,15 +52,15 @@ std::string condition(Table table, const Match& match) {
   if (table == Table::coils) {
     return (match.value == 0) == match.other ? "on" : "off";
   }
-  const std::string masked = match.mask == Match().mask ? "" : "& " + hex(match.mask) + " ";
-  return masked + (match.other ? "other than " : "= ") + hex(match.value);
+  const std::string masked =
+      match.mask == Match().mask ? "" : fmt::format("& {} ", hex(match.mask));
+  return fmt::format("{}{}{}", masked, match.other ? "other than " : "= ", hex(match.value));
 }
 
 std::vector<std::string> match_cells(const ProfileFile& file, const WriteMatch& match) {
   const drive::TableRange range{match.table, match.address, 1};
   const std::string parameters =
-      match.parameters == 0 ? ""
-                            : ", with up to " + std::to_string(match.parameters) + " parameters";
+      match.parameters == 0 ? "" : fmt::format(", with up to {} parameters", match.parameters);
   return {address_text(range), number_text(file, range),
           condition(match.table, match) + parameters};
 }
@@ -124,7 +121,7 @@ void add_opcodes(std::string& text, const ProfileFile& file) {
                      {"position from",
                       file.number(Table::holding_registers, opcodes->position) +
                           (file.position_opcodes_line
-                               ? " (line " + line_text(file.position_opcodes_line) + ")"
+                               ? fmt::format(" (line {})", line_text(file.position_opcodes_line))
                                : "")}});
   }
 }
@@ -138,8 +135,8 @@ void add_values(std::string& text, const ProfileFile& file, Table table, unsigne
                       name_text(source, value.motion ? "starts motion" : "")});
     }
   }
-  const auto title = std::to_string(16 * registers) + "-bit values in " +
-                     std::string(table_name(table)) + ": " + std::to_string(rows.size());
+  const auto title =
+      fmt::format("{}-bit values in {}: {}", 16 * registers, table_name(table), rows.size());
   add_section(text, title, std::move(rows), {"address", "manual", "access", "line", "name"});
 }
 
@@ -152,25 +149,6 @@ std::string_view access_text(config::ValueAccess access) {
     case config::ValueAccess::read_write: return "rw";
   }
   return {};
-}
-
-std::string columns(const std::vector<std::vector<std::string>>& rows) {
-  std::vector<std::size_t> widths;
-  for (const auto& row : rows) {
-    widths.resize(std::max(widths.size(), row.size()));
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      widths[i] = std::max(widths[i], width_of(row[i]));
-    }
-  }
-  std::string text;
-  for (const auto& row : rows) {
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      text.append("  ").append(row[i]).append(widths[i] - width_of(row[i]), ' ');
-    }
-    text.erase(text.find_last_not_of(' ') + 1);
-    text += '\n';
-  }
-  return text;
 }
 
 std::string profile_text(const config::ProfileFile& file) {

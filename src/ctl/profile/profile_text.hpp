@@ -12,10 +12,6 @@
 
 namespace mbgate::ctl {
 
-/// Rows of cells in columns, each as wide as its widest cell, two spaces before each. The last
-/// column is not padded.
-std::string columns(const std::vector<std::vector<std::string>>& rows);
-
 // Parts of the text.
 
 /// "0x00C8"
@@ -28,16 +24,6 @@ std::string_view access_text(config::ValueAccess access);
 std::string line_text(const std::optional<std::uint32_t>& line);
 /// Register numbers as in the manual: "40005", "40005-40006".
 std::string number_text(const config::ProfileFile& file, const drive::TableRange& range);
-
-/// The result of `text` for each element, joined by `between`.
-template <typename List, typename Text>
-std::string joined(const List& list, Text text, std::string_view between = ", ") {
-  std::string all;
-  for (const auto& element : list) {
-    all.append(all.empty() ? "" : between).append(text(element));
-  }
-  return all;
-}
 
 /// What concerns the whole drive.
 std::string profile_head(const config::ProfileFile& file);

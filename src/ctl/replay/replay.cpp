@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/replay/replay.hpp"
 
+#include <fmt/core.h>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -25,8 +26,8 @@ std::string wrong_instant(gateway::Instant at, gateway::Instant first) {
   };
   return at >= first && at <= kLastInstant
              ? std::string()
-             : "expected an instant from " + count_of(first) + " to " + count_of(kLastInstant) +
-                   ", found " + count_of(at);
+             : fmt::format("expected an instant from {} to {}, found {}", count_of(first),
+                           count_of(kLastInstant), count_of(at));
 }
 
 /// The lines of the recording, counted.
@@ -153,8 +154,8 @@ class Player {
       return error;
     }
     if (!fits(gateway_.settings(), recorded->input)) {
-      return "expected a bus or a listener that the recorded configuration has, found \"" + line +
-             '"';
+      return fmt::format(
+          "expected a bus or a listener that the recorded configuration has, found \"{}\"", line);
     }
     // What older settings have decided is carried out before newer ones: else it is not this
     // gateway that was recorded.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fmt/core.h>
 #include <ostream>
 #include <string_view>
 
@@ -85,13 +86,11 @@ int check_config(const CheckCommand& command, std::ostream& out, std::ostream& e
 }
 
 std::string explain_exception(std::uint8_t code, bool is_write) {
-  std::string text = modbus::exception_text(code);
-  text.append(": ").append(meaning(code));
-  if (is_write &&
-      code == static_cast<std::uint8_t>(modbus::ExceptionCode::gateway_target_failed_to_respond)) {
-    text.append("; the write may have been done");
-  }
-  return text;
+  const bool is_unknown =
+      is_write &&
+      code == static_cast<std::uint8_t>(modbus::ExceptionCode::gateway_target_failed_to_respond);
+  return fmt::format("{}: {}{}", modbus::exception_text(code), meaning(code),
+                     is_unknown ? "; the write may have been done" : "");
 }
 
 namespace {

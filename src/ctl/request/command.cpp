@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/request/command.hpp"
 
+#include <fmt/core.h>
 #include <optional>
 #include <vector>
 
@@ -25,12 +26,12 @@ std::optional<std::string> find_misfit(const Place& place, std::size_t count,
   const std::size_t most = most_places / width(place.type);
   if (count == 0 || count > most) {
     const bool of_text = place.type == ValueType::text;
-    return std::to_string(count) + (of_text ? " registers" : " values") +
-           " do not fit into one request: 1 to " + std::to_string(most) +
-           (of_text ? ", two characters each" : "");
+    return fmt::format("{}{} do not fit into one request: 1 to {}{}", count,
+                       of_text ? " registers" : " values", most,
+                       of_text ? ", two characters each" : "");
   }
   if (const std::size_t end = place.address + count * width(place.type); end > kAddresses) {
-    return "the last value would end at address " + std::to_string(end - 1) + ", beyond 65535";
+    return fmt::format("the last value would end at address {}, beyond 65535", end - 1);
   }
   return std::nullopt;
 }

@@ -7,10 +7,12 @@
 
 #include <array>
 #include <cerrno>
+#include <fmt/core.h>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "base/host_and_port.hpp"
 #include "config/toml/duration_text.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "ctl/tls/handshake.hpp"
@@ -21,10 +23,7 @@
 namespace mbgate::ctl {
 namespace {
 
-std::string endpoint_text(const Target& target) {
-  const bool v6 = target.host.find(':') != std::string::npos;
-  return (v6 ? "[" + target.host + "]" : target.host) + ":" + std::to_string(target.port);
-}
+std::string endpoint_text(const Target& target) { return host_and_port(target.host, target.port); }
 
 /// libmodbus reports an unknown host as a refused connection, so names are looked up here first.
 std::string find_lookup_error(const Target& target) {
@@ -86,7 +85,7 @@ Result<ModbusClient, std::string> ModbusClient::connect_over_tls(const Target& t
 }
 
 Result<ModbusClient, std::string> ModbusClient::connect(const Target& target) {
-  const std::string prefix = "cannot connect to " + endpoint_text(target) + ": ";
+  const std::string prefix = fmt::format("cannot connect to {}: ", endpoint_text(target));
   if (target.tls) {
     return connect_over_tls(target, prefix);
   }
@@ -109,7 +108,7 @@ std::string ModbusClient::failure(int error, const modbus::Request& request) con
   std::string text = endpoint_text(target_);
   switch (error) {
     case ETIMEDOUT:
-      text = "no answer from " + text + " within " + config::to_text(target_.timeout);
+      text = fmt::format("no answer from {} within {}", text, config::to_text(target_.timeout));
       break;
     case ECONNRESET:
     case EPIPE: {
@@ -117,7 +116,7 @@ std::string ModbusClient::failure(int error, const modbus::Request& request) con
       text += why.empty() ? " closed the connection without an answer" : ": " + why;
       break;
     }
-    default: text += ": " + std::string(modbus_strerror(error)); break;
+    default: text += fmt::format(": {}", modbus_strerror(error)); break;
   }
   return request.is_read() ? text : text + "; the write may have been done";
 }
@@ -136,7 +135,7 @@ Result<modbus::Pdu, std::string> ModbusClient::ask(const modbus::Request& reques
     return failure(errno, request);
   }
   const std::string misfit =
-      "the response of " + endpoint_text(target_) + " does not fit the request: ";
+      fmt::format("the response of {} does not fit the request: ", endpoint_text(target_));
   const auto scan =
       modbus::scan_mbap(modbus::Bytes(incoming).first(static_cast<std::size_t>(size)));
   const auto* frame = std::get_if<modbus::MbapFrame>(&scan);
@@ -144,7 +143,7 @@ Result<modbus::Pdu, std::string> ModbusClient::ask(const modbus::Request& reques
     return misfit + "it is no Modbus TCP response";
   }
   if (frame->adu.header.unit != target_.unit) {
-    return misfit + "it is of unit " + std::to_string(frame->adu.header.unit);
+    return fmt::format("{}it is of unit {}", misfit, frame->adu.header.unit);
   }
   if (auto why = misfit_text(modbus::check_response(request, frame->adu.pdu.bytes()));
       !why.empty()) {
@@ -166,7 +165,7 @@ std::string role_hint(const Target& target, std::uint8_t code) {
     return {};
   }
   const std::string file = target.tls->certificate.string();
-  return "; the role in " + file + " is " + role_in_file(file);
+  return fmt::format("; the role in {} is {}", file, role_in_file(file));
 }
 
 }  // namespace
@@ -189,10 +188,11 @@ Result<modbus::Pdu, Failure> Connection::ask(const modbus::Request& request) {
   }
   if (response->is_exception()) {
     const std::uint8_t code = response->bytes()[1];
-    return Failure{kExitNotDone,
-                   "unit " + std::to_string(target_.unit) + ": " +
-                       explain_exception(code, !request.is_read()) + role_hint(target_, code),
-                   code};
+    return Failure{
+        kExitNotDone,
+        fmt::format("unit {}: {}{}", target_.unit, explain_exception(code, !request.is_read()),
+                    role_hint(target_, code)),
+        code};
   }
   return *response;
 }

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <ctime>
+#include <fmt/chrono.h>
+
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -42,10 +44,8 @@ Interruption::~Interruption() {
 bool Interruption::wait_until(std::chrono::steady_clock::time_point when) const {
   using namespace std::chrono;
   while (true) {
-    const nanoseconds left = std::max<nanoseconds>(when - steady_clock::now(), nanoseconds(0));
-    const auto whole = floor<seconds>(left);
-    const timespec time{static_cast<std::time_t>(whole.count()),
-                        static_cast<decltype(timespec::tv_nsec)>((left - whole).count())};
+    const auto time =
+        sys::timespec_of(std::max<nanoseconds>(when - steady_clock::now(), nanoseconds(0)));
     if (sigtimedwait(&signals_, nullptr, &time) > 0) {
       return true;
     }
@@ -71,13 +71,8 @@ std::chrono::steady_clock::time_point next_start(std::chrono::steady_clock::time
 std::string time_of_day(std::chrono::system_clock::time_point time) {
   const auto second = std::chrono::floor<std::chrono::seconds>(time);
   const auto rest = std::chrono::floor<std::chrono::milliseconds>(time - second);
-  const std::time_t count = std::chrono::system_clock::to_time_t(second);
-  std::tm local{};
-  localtime_r(&count, &local);
-  char text[64];
-  std::snprintf(text, sizeof text, "%02d:%02d:%02d.%03d", local.tm_hour, local.tm_min, local.tm_sec,
-                static_cast<int>(rest.count()));
-  return text;
+  const auto local = fmt::localtime(std::chrono::system_clock::to_time_t(second));
+  return fmt::format("{:%H:%M:%S}.{:03}", local, rest.count());
 }
 
 }  // namespace mbgate::ctl

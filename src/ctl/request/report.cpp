@@ -5,6 +5,7 @@
 #include <boost/json.hpp>
 #include <charconv>
 #include <cmath>
+#include <fmt/core.h>
 #include <ostream>
 
 #include "config/toml/match_entry.hpp"
@@ -71,14 +72,14 @@ std::string read_json(const ReadCommand& command, std::span<const std::uint64_t>
 /// Each value with its address, and `end` behind it.
 std::string lines_of(const Place& place, std::span<const std::uint64_t> values,
                      std::string_view end) {
-  std::string lines;
   if (place.type == ValueType::text) {
-    lines = std::to_string(place.address) + ": \"" + text_of(values) + "\"";
-    return lines.append(end);
+    return fmt::format("{}: \"{}\"{}", place.address, text_of(values), end);
   }
+  std::string lines;
   std::size_t address = place.address;
   for (const auto bits : values) {
-    lines.append(value_line(static_cast<std::uint16_t>(address), place.type, bits)).append(end);
+    lines +=
+        fmt::format("{}{}", value_line(static_cast<std::uint16_t>(address), place.type, bits), end);
     address += width(place.type);
   }
   return lines;
@@ -90,7 +91,7 @@ std::string plain_lines_of(ValueType type, std::span<const std::uint64_t> values
   }
   std::string lines;
   for (const auto bits : values) {
-    lines.append(value_text(type, bits)).append("\n");
+    lines += value_text(type, bits) + "\n";
   }
   return lines;
 }

@@ -5,10 +5,9 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <fmt/core.h>
 #include <limits>
 #include <type_traits>
-
-#include "base/text.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -54,7 +53,7 @@ constexpr std::uint64_t bit_mask(ValueType type) {
   return std::numeric_limits<std::uint64_t>::max() >> (64 - 16 * width(type));
 }
 
-std::string quoted(std::string_view text) { return "\"" + std::string(text) + "\""; }
+std::string quoted(std::string_view text) { return fmt::format("\"{}\"", text); }
 
 /// The number that is the whole of a text. `error`: it is none, or its type cannot hold it.
 template <typename Number>
@@ -90,7 +89,7 @@ Result<std::uint64_t, std::string> parse_hex(ValueType type, std::string_view te
     return quoted(text) + " is not a hexadecimal number";
   }
   if (error != std::errc{} || bits > bit_mask(type)) {
-    return quoted(text) + " has more than " + std::to_string(16 * width(type)) + " bits";
+    return fmt::format("{} has more than {} bits", quoted(text), 16 * width(type));
   }
   return bits;
 }
@@ -99,7 +98,7 @@ template <typename Float, typename Bits>
 Result<std::uint64_t, std::string> parse_float(ValueType type, std::string_view text) {
   const auto [error, number] = whole_number<Float>(text, std::chars_format::general);
   if (error != std::errc{} || !std::isfinite(number)) {
-    return quoted(text) + " is not a number that " + std::string(type_word(type)) + " can hold";
+    return fmt::format("{} is not a number that {} can hold", quoted(text), type_word(type));
   }
   return std::uint64_t{std::bit_cast<Bits>(number)};
 }
@@ -112,8 +111,8 @@ Result<std::uint64_t, std::string> parse_integer(ValueType type, std::string_vie
   }
   const auto [below, above] = range(type);
   if (error != std::errc{} || magnitude > (negative ? below : above)) {
-    return quoted(text) + " is outside " + std::string(type_word(type)) + ", " +
-           (below == 0 ? "" : "-") + std::to_string(below) + " to " + std::to_string(above);
+    return fmt::format("{} is outside {}, {}{} to {}", quoted(text), type_word(type),
+                       below == 0 ? "" : "-", below, above);
   }
   return (negative ? 0 - magnitude : magnitude) & bit_mask(type);
 }
@@ -147,7 +146,7 @@ std::string character_text(std::uint8_t byte) {
   if (byte >= kFirstPrintable && byte <= kLastPrintable) {
     return {static_cast<char>(byte)};
   }
-  return "\\x" + hex_text(byte, 2);
+  return fmt::format("\\x{:02X}", byte);
 }
 
 }  // namespace
@@ -210,11 +209,11 @@ std::string value_text(ValueType type, std::uint64_t bits) {
 }
 
 std::string value_line(std::uint16_t address, ValueType type, std::uint64_t bits) {
-  std::string line = std::to_string(address) + ": " + value_text(type, bits);
+  std::string line = fmt::format("{}: {}", address, value_text(type, bits));
   if (type == ValueType::bit) {
     return line + (bits != 0 ? " (on)" : " (off)");
   }
-  return line + " (0x" + hex_text(bits, 4 * width(type)) + ")";
+  return fmt::format("{} (0x{:0{}X})", line, bits, 4 * width(type));
 }
 
 std::string text_of(std::span<const std::uint64_t> registers) {

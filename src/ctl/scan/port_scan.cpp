@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <filesystem>
+#include <fmt/core.h>
 #include <iterator>
 #include <ostream>
 #include <system_error>
@@ -83,8 +84,8 @@ std::optional<std::string> missing_text(const std::vector<std::uint8_t>& answere
   if (missing.empty()) {
     return std::nullopt;
   }
-  return units_text(missing) + " answered, and " + (missing.size() == 1 ? "was" : "were") +
-         " not identified";
+  return fmt::format("{} answered, and {} not identified", units_text(missing),
+                     missing.size() == 1 ? "was" : "were");
 }
 
 /// A configuration may be read in another folder, so its path is absolute.
@@ -107,8 +108,8 @@ ScanResult identify_all(PausingClient& client, const PortSweep& port, const Cata
     return identify(client, unit, read, wait);
   };
   const auto progress = [&](std::uint8_t unit, std::size_t found) {
-    line.show("identifying unit " + std::to_string(unit) + ", " + std::to_string(found) + " of " +
-              std::to_string(best.units.size()) + " identified");
+    line.show(
+        fmt::format("identifying unit {}, {} of {} identified", unit, found, best.units.size()));
   };
   return scan_units(best.units, catalogue, ask, progress);
 }

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/scan/scan.hpp"
 
-#include <charconv>
+#include <fmt/core.h>
 #include <set>
+
+#include "base/text.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -77,11 +79,8 @@ class UnitScan {
 };
 
 std::optional<unsigned> parse_unit(std::string_view text) {
-  unsigned unit = 0;
-  const char* end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), end, unit);
-  const bool good = error == std::errc{} && at == end && unit >= 1 && unit <= kLastUnit;
-  return good ? std::optional(unit) : std::nullopt;
+  const auto unit = integer_in<unsigned>(text);
+  return unit >= 1U && unit <= unsigned{kLastUnit} ? unit : std::nullopt;
 }
 
 bool add_range(std::string_view text, std::set<std::uint8_t>& units) {
@@ -127,7 +126,7 @@ Result<std::vector<std::uint8_t>, std::string> parse_units(std::string_view text
   while (true) {
     const auto comma = rest.find(',');
     if (!add_range(rest.substr(0, comma), units)) {
-      return "\"" + std::string(text) + "\" are no units: 1 to 247, like 5 or 1-32 or 1-8,17";
+      return fmt::format("\"{}\" are no units: 1 to 247, like 5 or 1-32 or 1-8,17", text);
     }
     if (comma == std::string_view::npos) {
       return std::vector<std::uint8_t>(units.begin(), units.end());

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cerrno>
+#include <fmt/core.h>
 #include <memory>
 #include <ostream>
 #include <system_error>
 
+#include "base/text.hpp"
 #include "config/profiles/profile_library.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "ctl/request/modbus_client.hpp"
@@ -62,11 +64,8 @@ std::vector<const config::ProfileFile*> load_all(config::ProfileLibrary& library
 }
 
 std::string folders_text(const config::ProfileFolders& folders) {
-  std::string text;
-  for (const auto& folder : folders) {
-    text.append(text.empty() ? "" : " or ").append(folder.string());
-  }
-  return text;
+  return joined(
+      folders, [](const auto& folder) { return folder.string(); }, " or ");
 }
 
 /// Empty if the file was written, else what was wrong.
@@ -74,10 +73,11 @@ std::string write_new_file(const std::filesystem::path& path, const std::string&
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wx"),
                                                              &std::fclose);
   if (file == nullptr) {
-    return path.string() + ": " + std::generic_category().message(errno);
+    return fmt::format("{}: {}", path.string(), std::generic_category().message(errno));
   }
   const bool written = std::fputs(text.c_str(), file.get()) >= 0 && std::fflush(file.get()) == 0;
-  return written ? std::string() : path.string() + ": " + std::generic_category().message(errno);
+  return written ? std::string()
+                 : fmt::format("{}: {}", path.string(), std::generic_category().message(errno));
 }
 
 /// Why the scan ended early, or found nobody.
@@ -91,11 +91,12 @@ std::optional<std::string> find_error(const ScanCommand& command, const ScanResu
   if (command.port) {
     return "no unit answered again";
   }
-  return "no unit answered" + (result.any_way
-                                   ? std::string()
-                                   : ", and the gateway transmitted nothing: is port " +
-                                         std::to_string(command.target.port) +
-                                         " that of a transparent listener, and is its line open?");
+  return fmt::format("no unit answered{}",
+                     result.any_way
+                         ? std::string()
+                         : fmt::format(", and the gateway transmitted nothing: is port {} that of "
+                                       "a transparent listener, and is its line open?",
+                                       command.target.port));
 }
 
 void print_misses(const PortScan& scan, const std::optional<std::string>& error,

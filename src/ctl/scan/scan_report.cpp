@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <boost/json.hpp>
+#include <fmt/format.h>
 
+#include "base/text.hpp"
 #include "config/profiles/profile_library.hpp"
 #include "config/toml/duration_text.hpp"
 #include "config/toml/match_entry.hpp"
 #include "ctl/profile/profile_text.hpp"
+#include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -29,7 +32,7 @@ std::string sureness_text(const FoundUnit& unit) {
   if (found.nearest == nullptr) {
     return "-";
   }
-  std::string text = std::to_string(found.fitting) + " of " + std::to_string(found.judged);
+  std::string text = fmt::format("{} of {}", found.fitting, found.judged);
   if (found.likely.empty()) {
     text += " for " + found.nearest->profile.name;
   }
@@ -44,10 +47,8 @@ std::string order_text(const Identification& found) {
 }
 
 std::string texts_of(const Identification& found) {
-  std::string text;
-  for (const auto& [name, value] : found.texts) {
-    text.append(text.empty() ? "" : ", ").append(name).append(" \"").append(value).append("\"");
-  }
+  const auto text = joined(
+      found.texts, [](const auto& it) { return fmt::format("{} \"{}\"", it.name, it.text); });
   return text.empty() ? "-" : text;
 }
 
@@ -82,20 +83,17 @@ std::string scan_table(const ScanResult& result) {
 }
 
 std::string line_head(const FoundLine& line) {
-  return line.device + ", " + std::to_string(static_cast<std::uint32_t>(line.mode.baud)) +
-         " baud, parity " + std::string(parity_word(line.mode.format.parity)) + ", stop bits " +
-         std::to_string(line.mode.format.stop_bits) + ":\n";
+  return fmt::format("{}, {} baud, parity {}, stop bits {}:\n", line.device,
+                     fmt::underlying(line.mode.baud), parity_word(line.mode.format.parity),
+                     line.mode.format.stop_bits);
 }
 
 std::string likely_text(const Identification& identification) {
   if (identification.likely.empty()) {
     return std::string(config::kGenericProfile);
   }
-  std::string text;
-  for (const auto* file : identification.likely) {
-    text.append(text.empty() ? "" : " or ").append(file->profile.name);
-  }
-  return text;
+  return joined(
+      identification.likely, [](const auto* file) { return file->profile.name; }, " or ");
 }
 
 bool word_order_unknown(const Identification& identification) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <fmt/format.h>
 
 #include "config/toml/duration_text.hpp"
 #include "config/toml/match_entry.hpp"
@@ -9,54 +10,54 @@
 namespace mbgate::ctl {
 namespace {
 
+using config::in_quotes;
 using namespace std::chrono_literals;
 
 constexpr std::array kRoundTimes{100ms,  200ms,  300ms,  500ms,   1000ms,
                                  2000ms, 3000ms, 5000ms, 10'000ms};
 constexpr unsigned kMargin = 3;
 
-std::string quoted(const std::string& text) { return config::in_quotes(text); }
-
 std::string head(const std::string& where, const std::string& bus) {
-  return "# What mbgatectl scan found at " + where +
-         ". Look through every line before it\n"
-         "# runs: a scan only reads, and what reading cannot tell is marked CHOOSE.\n"
-         "\n"
-         "[[listen]]\n"
-         "name = \"plant\"\n"
-         "address = \"127.0.0.1\"          # CHOOSE: the address that the clients reach, and who "
-         "may: `allow`\n"
-         "port = 502\n"
-         "\n"
-         "[[bus]]\n"
-         "name = " +
-         quoted(bus) + "\n";
+  return fmt::format(R"(# What mbgatectl scan found at {}. Look through every line before it
+# runs: a scan only reads, and what reading cannot tell is marked CHOOSE.
+
+[[listen]]
+name = "plant"
+address = "127.0.0.1"          # CHOOSE: the address that the clients reach, and who may: `allow`
+port = 502
+
+[[bus]]
+name = {}
+)",
+                     where, in_quotes(bus));
 }
 
-std::string line_to_choose() {
-  return "device = \"/dev/ttyUSB0\"        # CHOOSE: better a name in /dev/serial/by-id\n"
-         "baud = 19200                   # CHOOSE these three as the line is set now\n"
-         "parity = \"even\"\n"
-         "stop_bits = 1\n";
-}
+constexpr const char* kLineToChoose =
+    R"(device = "/dev/ttyUSB0"        # CHOOSE: better a name in /dev/serial/by-id
+baud = 19200                   # CHOOSE these three as the line is set now
+parity = "even"
+stop_bits = 1
+)";
 
 std::string line_as_found(const FoundLine& line) {
-  std::string text = "device = " + quoted(line.device);
-  if (line.lasting_name) {
-    text += "  # CHOOSE: better " + quoted(*line.lasting_name) + ", which stays the same";
-  }
+  const auto better = line.lasting_name ? fmt::format("  # CHOOSE: better {}, which stays the same",
+                                                      in_quotes(*line.lasting_name))
+                                        : "";
   const auto& [baud, format] = line.mode;
-  return text + "\nbaud = " + std::to_string(static_cast<std::uint32_t>(baud)) +
-         "  # the units answered with these three\nparity = " +
-         quoted(std::string(parity_word(format.parity))) +
-         "\nstop_bits = " + std::to_string(format.stop_bits) + "\n";
+  return fmt::format(R"(device = {}{}
+baud = {}  # the units answered with these three
+parity = {}
+stop_bits = {}
+)",
+                     in_quotes(line.device), better, fmt::underlying(baud),
+                     in_quotes(parity_word(format.parity)), format.stop_bits);
 }
 
 std::string source_of(const FoundUnit& unit) {
   const auto& found = unit.identification;
   std::string text;
   for (const auto& [name, value] : found.texts) {
-    text += "# " + name + ": " + quoted(value) + "\n";
+    text += fmt::format("# {}: {}\n", name, in_quotes(value));
   }
   return text;
 }
@@ -68,12 +69,12 @@ std::string profile_lines(const Identification& found) {
   }
   if (found.likely.size() == 1) {
     const auto& file = *found.likely.front();
-    return "profile = " + quoted(file.profile.name) + "  # " + file.description + "; " +
-           std::to_string(found.fitting) + " of " + std::to_string(found.judged) + " answers fit\n";
+    return fmt::format("profile = {}  # {}; {} of {} answers fit\n", in_quotes(file.profile.name),
+                       file.description, found.fitting, found.judged);
   }
   std::string text = "# CHOOSE one: reading cannot tell them apart, and their values differ.\n";
   for (const auto* file : found.likely) {
-    text += "# profile = " + quoted(file->profile.name) + "  # " + file->description + "\n";
+    text += fmt::format("# profile = {}  # {}\n", in_quotes(file->profile.name), file->description);
   }
   return text;
 }
@@ -86,34 +87,38 @@ std::string order_lines(const Identification& found) {
   if (!found.word_order) {
     return {};
   }
-  const auto line = "word_order = " + quoted(std::string(config::order_word(*found.word_order)));
-  return found.likely.size() == 1 ? line + "\n" : "# " + line + "  # as read\n";
+  const auto line =
+      fmt::format("word_order = {}", in_quotes(config::order_word(*found.word_order)));
+  return found.likely.size() == 1 ? line + "\n" : fmt::format("# {}  # as read\n", line);
 }
 
 std::string device(const FoundUnit& unit, const std::string& bus) {
   const auto& found = unit.identification;
   const auto slowest = std::chrono::ceil<std::chrono::milliseconds>(unit.slowest);
-  return source_of(unit) + "[[device]]\nname = \"unit-" + std::to_string(unit.unit) +
-         "\"\nbus = " + quoted(bus) + "\naddress = " + std::to_string(unit.unit) + "\n" +
-         profile_lines(found) + order_lines(found) +
-         "response_timeout = " + quoted(config::to_text(sensible_timeout(unit.slowest))) +
-         "  # it took up to " + config::to_text(slowest) + ", seen from here\n";
+  return fmt::format(R"({}[[device]]
+name = "unit-{}"
+bus = {}
+address = {}
+{}{}response_timeout = {}  # it took up to {}, seen from here
+)",
+                     source_of(unit), unit.unit, in_quotes(bus), unit.unit, profile_lines(found),
+                     order_lines(found), in_quotes(config::to_text(sensible_timeout(unit.slowest))),
+                     config::to_text(slowest));
 }
 
 std::string route(const FoundUnit& unit) {
   const auto& found = unit.identification;
-  const auto name = std::to_string(unit.unit);
   const bool chosen = found.likely.size() <= 1 && !word_order_unknown(found);
-  return "[[route]]\nunit = " + name + "\ndevice = \"unit-" + name + "\"\n" +
-         (chosen
-              ? "word_order = \"big\"\n"
-              : "# word_order = \"big\"  # once the choice above is made: what the clients see\n");
+  return fmt::format(
+      "[[route]]\nunit = {0}\ndevice = \"unit-{0}\"\n{1}", unit.unit,
+      chosen ? "word_order = \"big\"\n"
+             : "# word_order = \"big\"  # once the choice above is made: what the clients see\n");
 }
 
 std::string units(const std::string& bus, const std::vector<FoundUnit>& found) {
   std::string text;
   for (const auto& unit : found) {
-    text += "\n" + device(unit, bus) + "\n" + route(unit);
+    text += fmt::format("\n{}\n{}", device(unit, bus), route(unit));
   }
   return text;
 }
@@ -122,7 +127,7 @@ std::string units(const std::string& bus, const std::vector<FoundUnit>& found) {
 
 std::string starting_config(const Target& target, const std::string& bus,
                             const std::vector<FoundUnit>& found) {
-  return head(target.host + ", port " + std::to_string(target.port), bus) + line_to_choose() +
+  return head(fmt::format("{}, port {}", target.host, target.port), bus) + kLineToChoose +
          units(bus, found);
 }
 

@@ -2,6 +2,7 @@
 #include "ctl/scan/sweep.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 #include <utility>
 
 #include "base/text.hpp"
@@ -111,20 +112,22 @@ std::optional<std::string> carry_out_sweep(Sweep& sweep, const SweptLine& line) 
 
 namespace {
 
-std::string at(const ModeFindings& found) { return "at " + mode_text(found.mode) + " "; }
+std::string at(const ModeFindings& found) { return fmt::format("at {} ", mode_text(found.mode)); }
 
 std::string frames_text(const ModeFindings& found) {
-  return at(found) + "frames of " + units_text(found.others) +
-         " came late or were not asked for: a longer --wait may help, or another master is on the "
-         "line";
+  return fmt::format(
+      "{}frames of {} came late or were not asked for: a longer --wait may help, or another master "
+      "is on the line",
+      at(found), units_text(found.others));
 }
 
 std::string noise_text(const ModeFindings& found) {
-  std::string text = at(found) + counted(found.noise_bytes, "byte") + " heard that " +
-                     (found.noise_bytes == 1 ? "is" : "are") + " no answer: ";
+  std::string text =
+      fmt::format("{}{} heard that {} no answer: ", at(found), counted(found.noise_bytes, "byte"),
+                  found.noise_bytes == 1 ? "is" : "are");
   if (found.bad_crcs > 0) {
-    text += counted(found.bad_crcs, "frame") + " with a bad CRC" +
-            (found.noise > 0 ? ", and " : ", as of two units with one address");
+    text += fmt::format("{} with a bad CRC{}", counted(found.bad_crcs, "frame"),
+                        found.noise > 0 ? ", and " : ", as of two units with one address");
   }
   if (found.noise > 0) {
     text += "no frame after " + counted(found.noise, "request");
@@ -136,14 +139,14 @@ std::string noise_text(const ModeFindings& found) {
 
 std::string sweep_announcement(const std::string& device, const SweepPlan& plan) {
   const auto most = std::chrono::ceil<std::chrono::seconds>(longest(plan));
-  std::string text = "asking " + counted(plan.units.size(), "unit") + " at " + device;
+  std::string text = fmt::format("asking {} at {}", counted(plan.units.size(), "unit"), device);
   if (plan.modes.size() == 1) {
     text += " at " + mode_text(plan.modes.front());
   } else {
-    text += " in " + counted(plan.modes.size(), "mode") + ", " + mode_text(plan.modes.front()) +
-            " first";
+    text += fmt::format(" in {}, {} first", counted(plan.modes.size(), "mode"),
+                        mode_text(plan.modes.front()));
   }
-  return text + ": " + config::to_text(most) + " at most; only reads are sent";
+  return fmt::format("{}: {} at most; only reads are sent", text, config::to_text(most));
 }
 
 std::string sweep_progress(const Sweep& sweep) {
@@ -155,9 +158,8 @@ std::string sweep_progress(const Sweep& sweep) {
   const auto number = std::ranges::find(modes, step->mode) - modes.begin() + 1;
   const bool begun = !step->sets_mode;
   const auto found = begun ? sweep.findings().back().units.size() : 0;
-  return mode_text(step->mode) + " (" + std::to_string(number) + " of " +
-         std::to_string(modes.size()) + "): asking unit " + std::to_string(step->unit) + ", " +
-         std::to_string(found) + " found";
+  return fmt::format("{} ({} of {}): asking unit {}, {} found", mode_text(step->mode), number,
+                     modes.size(), step->unit, found);
 }
 
 std::vector<std::string> sweep_notes(const Sweep& sweep) {
@@ -173,9 +175,9 @@ std::vector<std::string> sweep_notes(const Sweep& sweep) {
       notes.push_back(noise_text(found));
     }
     if (!found.units.empty() && &found != sweep.best()) {
-      notes.push_back(at(found) + units_text(found.units) + " answered too, and " +
-                      (found.units.size() == 1 ? "was" : "were") +
-                      " not identified: scan again with only this rate and parity");
+      notes.push_back(fmt::format(
+          "{}{} answered too, and {} not identified: scan again with only this rate and parity",
+          at(found), units_text(found.units), found.units.size() == 1 ? "was" : "were"));
     }
   }
   return notes;
@@ -187,7 +189,7 @@ std::string nobody_text(const std::string& device, const Sweep& sweep) {
   const std::string modes = tried == 1 && sweep.findings().size() == 1
                                 ? "at " + mode_text(sweep.findings().front().mode)
                                 : "in " + counted(static_cast<std::size_t>(tried), "mode");
-  return "no unit answered at " + device + " " + modes;
+  return fmt::format("no unit answered at {} {}", device, modes);
 }
 
 std::string units_text(const std::vector<std::uint8_t>& units) {
@@ -199,7 +201,7 @@ std::string units_text(const std::vector<std::uint8_t>& units) {
     }
     text.append(first == 0 ? "" : ", ").append(std::to_string(units[first]));
     if (last > first) {
-      text.append("-").append(std::to_string(units[last]));
+      text += fmt::format("-{}", units[last]);
     }
     first = last + 1;
   }

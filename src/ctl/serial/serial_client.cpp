@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "sys/tty.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -29,10 +30,8 @@ constexpr std::chrono::milliseconds kSlice{100};
 /// Is there something to read, or an error, before `until`?
 bool wait_readable(int fd, steady_clock::time_point until) {
   while (true) {
-    const auto left = std::max<nanoseconds>(until - steady_clock::now(), nanoseconds(0));
-    const auto whole = std::chrono::floor<std::chrono::seconds>(left);
-    const timespec time{static_cast<std::time_t>(whole.count()),
-                        static_cast<decltype(timespec::tv_nsec)>((left - whole).count())};
+    const auto time =
+        sys::timespec_of(std::max<nanoseconds>(until - steady_clock::now(), nanoseconds(0)));
     pollfd watched{fd, POLLIN, 0};
     const int ready = ::ppoll(&watched, 1, &time, nullptr);
     if (ready >= 0 || errno != EINTR) {

@@ -3,19 +3,23 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <filesystem>
+#include <fmt/format.h>
 #include <iterator>
 #include <optional>
 #include <system_error>
 #include <utility>
 
+#include "base/text.hpp"
+
 namespace mbgate::ctl {
 namespace {
 
 std::string held_text(const std::string& device) {
-  return "a gateway or another program holds " + device +
-         ": stop it first (systemctl stop mbgated), or scan through it with --host and --port";
+  return fmt::format(
+      "a gateway or another program holds {}: stop it first (systemctl stop mbgated), or scan "
+      "through it with --host and --port",
+      device);
 }
 
 sys::TtyMode raw_mode(const LineMode& mode) {
@@ -59,7 +63,7 @@ std::optional<std::string> SerialPort::set_mode(const LineMode& mode) {
     return "the driver refuses it: " + std::generic_category().message(errno);
   }
   if (!real->has_rate_near(wanted.baud)) {
-    return "the driver took " + std::to_string(real->baud) + " baud instead";
+    return fmt::format("the driver took {} baud instead", real->baud);
   }
   // A pseudo-terminal has no parity, and is not asked for what became of it.
   if (!real->has_format_of(wanted) && !sys::is_pseudo_terminal(fd_.get())) {
@@ -75,19 +79,17 @@ std::string port_failure(const std::string& device, int error,
     case EBUSY: return held_text(device);
     case ENOTTY: return device + ": this is no serial port";
     case EACCES:
-      return "you may not open " + device +
-             ": your user must be in the group dialout (sudo adduser NAME dialout, then log in "
-             "again)";
+      return fmt::format(
+          "you may not open {}: your user must be in the group dialout (sudo adduser NAME dialout, "
+          "then log in again)",
+          device);
     case ENOENT:
     case ENODEV:
-    case ENXIO: {
-      std::string text = "there is no serial port " + device;
-      for (const auto& name : names) {
-        text.append(&name == &names.front() ? "; there is " : ", ").append(name);
-      }
-      return text;
-    }
-    default: return "cannot open " + device + ": " + std::generic_category().message(error);
+    case ENXIO:
+      return fmt::format("there is no serial port {}{}{}", device,
+                         names.empty() ? "" : "; there is ", fmt::join(names, ", "));
+    default:
+      return fmt::format("cannot open {}: {}", device, std::generic_category().message(error));
   }
 }
 
@@ -142,11 +144,8 @@ std::vector<std::string_view> listed(std::string_view text) {
 }
 
 std::optional<std::uint32_t> number_of(std::string_view text, std::uint32_t most) {
-  std::uint32_t number = 0;
-  const char* end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), end, number);
-  const bool good = error == std::errc{} && at == end && number >= 1 && number <= most;
-  return good ? std::optional(number) : std::nullopt;
+  const auto number = integer_in<std::uint32_t>(text);
+  return number >= 1U && *number <= most ? number : std::nullopt;
 }
 
 std::optional<Parity> parity_of(std::string_view word) {
@@ -175,7 +174,7 @@ std::vector<modbus::CharacterFormat> formats(Parity parity,
 }  // namespace
 
 std::string mode_text(const LineMode& mode) {
-  std::string text = std::to_string(static_cast<std::uint32_t>(mode.baud)) + " 8";
+  std::string text = fmt::format("{} 8", fmt::underlying(mode.baud));
   switch (mode.format.parity) {
     case Parity::none: text += 'N'; break;
     case Parity::even: text += 'E'; break;
@@ -200,7 +199,7 @@ Result<std::vector<LineMode>, std::string> parse_modes(std::string_view bauds,
   for (const auto word : listed(stop_bits)) {
     const auto bits = number_of(word, 2);
     if (!bits) {
-      return "\"" + std::string(stop_bits) + "\" are no stop bits: 1, 2 or 1,2";
+      return fmt::format("\"{}\" are no stop bits: 1, 2 or 1,2", stop_bits);
     }
     stops.push_back(*bits);
   }
@@ -208,7 +207,7 @@ Result<std::vector<LineMode>, std::string> parse_modes(std::string_view bauds,
   for (const auto word : listed(parities)) {
     const auto parity = parity_of(word);
     if (!parity) {
-      return "\"" + std::string(parities) + "\" are no parities: even, none, odd, with commas";
+      return fmt::format("\"{}\" are no parities: even, none, odd, with commas", parities);
     }
     std::ranges::copy(formats(*parity, stops), std::back_inserter(characters));
   }
@@ -216,8 +215,8 @@ Result<std::vector<LineMode>, std::string> parse_modes(std::string_view bauds,
   for (const auto word : listed(bauds)) {
     const auto baud = number_of(word, kFastestLine);
     if (!baud) {
-      return "\"" + std::string(bauds) +
-             "\" are no baud rates: 1 to 4000000, with commas, like 9600,19200";
+      return fmt::format("\"{}\" are no baud rates: 1 to 4000000, with commas, like 9600,19200",
+                         bauds);
     }
     for (const auto& format : characters) {
       // What is listed twice is asked once.

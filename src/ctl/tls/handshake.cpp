@@ -13,6 +13,7 @@
 #include <cerrno>
 #include <csignal>
 #include <ctime>
+#include <fmt/core.h>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -81,13 +82,13 @@ Result<sys::UniqueFd, std::string> connect_tcp(const std::string& host, std::uin
 /// Our certificate, our key and whom we trust; or which file is wrong, and why.
 std::optional<std::string> load(SSL_CTX& context, const TlsIdentity& identity) {
   if (SSL_CTX_load_verify_file(&context, identity.authorities.c_str()) != 1) {
-    return identity.authorities.string() + ": " + sys::take_openssl_error();
+    return fmt::format("{}: {}", identity.authorities.string(), sys::take_openssl_error());
   }
   if (SSL_CTX_use_certificate_chain_file(&context, identity.certificate.c_str()) != 1) {
-    return identity.certificate.string() + ": " + sys::take_openssl_error();
+    return fmt::format("{}: {}", identity.certificate.string(), sys::take_openssl_error());
   }
   if (SSL_CTX_use_PrivateKey_file(&context, identity.key.c_str(), SSL_FILETYPE_PEM) != 1) {
-    return identity.key.string() + ": " + sys::take_openssl_error();
+    return fmt::format("{}: {}", identity.key.string(), sys::take_openssl_error());
   }
   return std::nullopt;
 }
@@ -96,19 +97,21 @@ std::optional<std::string> load(SSL_CTX& context, const TlsIdentity& identity) {
 std::string verify_text(const SSL& session, const std::string& name, const TlsIdentity& identity) {
   const long result = SSL_get_verify_result(&session);
   std::string text =
-      std::string("certificate verify failed: ") + X509_verify_cert_error_string(result);
+      fmt::format("certificate verify failed: {}", X509_verify_cert_error_string(result));
   switch (result) {
     case X509_V_ERR_HOSTNAME_MISMATCH:
     case X509_V_ERR_IP_ADDRESS_MISMATCH:
-      return text + ": the server's certificate is not for " + name +
-             "; --server-name says what it is for, if this server is meant";
+      return fmt::format(
+          "{}: the server's certificate is not for {}; --server-name says what it is for, if this "
+          "server is meant",
+          text, name);
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
     case X509_V_ERR_SELF_SIGNED_CERT_IN_CHAIN:
     case X509_V_ERR_DEPTH_ZERO_SELF_SIGNED_CERT:
     case X509_V_ERR_CERT_SIGNATURE_FAILURE:
     case X509_V_ERR_UNABLE_TO_VERIFY_LEAF_SIGNATURE:
-      return text + ": nobody in " + identity.authorities.string() +
-             " has signed the server's certificate";
+      return fmt::format("{}: nobody in {} has signed the server's certificate", text,
+                         identity.authorities.string());
     default: return text;
   }
 }
@@ -156,7 +159,7 @@ std::string failure_text(const sys::TlsStream& stream, sys::TlsStream::Step step
     return kClosed;
   }
   if (step == sys::TlsStream::Step::flooded) {
-    return std::string("the server sends ") + sys::TlsStream::kFlood;
+    return fmt::format("the server sends {}", sys::TlsStream::kFlood);
   }
   if (stream.system_error() != 0) {
     return std::generic_category().message(stream.system_error());
@@ -176,13 +179,13 @@ std::string failure_text(const sys::TlsStream& stream, sys::TlsStream::Step step
     case SSL_R_SSLV3_ALERT_CERTIFICATE_UNKNOWN:
     case SSL_R_SSLV3_ALERT_UNSUPPORTED_CERTIFICATE:
     case SSL_R_TLSV1_ALERT_UNKNOWN_CA:
-      return "the server refused our certificate: " +
-             std::string(SSL_alert_desc_string_long(reason - kOwnAlerts));
+      return fmt::format("the server refused our certificate: {}",
+                         SSL_alert_desc_string_long(reason - kOwnAlerts));
     default: break;
   }
   if (reason > kOwnAlerts) {
-    return "the server ended it with an alert: " +
-           std::string(SSL_alert_desc_string_long(reason - kOwnAlerts));
+    return fmt::format("the server ended it with an alert: {}",
+                       SSL_alert_desc_string_long(reason - kOwnAlerts));
   }
   return text;
 }

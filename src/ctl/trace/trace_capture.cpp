@@ -2,6 +2,7 @@
 #include "ctl/trace/trace_capture.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 #include <stdexcept>
 
 #include "ctl/trace/trace_lines.hpp"
@@ -86,7 +87,7 @@ void TraceCapture::add_request(const TracedRequest& asked, const std::string& co
                                std::vector<Placed>& packets) {
   const auto address = ip_octets(asked.client);
   if (!address) {
-    throw std::invalid_argument("\"" + asked.client + "\" is no IP address");
+    throw std::invalid_argument(fmt::format("\"{}\" is no IP address", asked.client));
   }
   if (conversations_.size() >= kMostConversations) {
     conversations_.clear();

@@ -9,6 +9,7 @@
 #include <boost/json/value.hpp>
 #include <charconv>
 #include <ctime>
+#include <fmt/core.h>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -45,7 +46,7 @@ TraceInstant instant_in(const object& json, std::string_view key) {
   unsigned microseconds = 0;
   if (rest == nullptr || end - rest != kFraction + 1 || *rest != '.' || *(end - 1) != 'Z' ||
       std::from_chars(rest + 1, end, microseconds).ptr != end - 1) {
-    throw std::invalid_argument("\"" + text + "\" is no time with microseconds");
+    throw std::invalid_argument(fmt::format("\"{}\" is no time with microseconds", text));
   }
   return TraceInstant(std::chrono::seconds(::timegm(&utc)) +
                       std::chrono::microseconds(microseconds));
@@ -59,7 +60,7 @@ ByteString bytes_from_hex(std::string_view text) {
     std::uint8_t byte = 0;
     if (std::from_chars(text.data() + at, end, byte, 16).ptr != text.data() + at + 2 ||
         (at + 2 < text.size() && text[at + 2] != ' ')) {
-      throw std::invalid_argument("\"" + std::string(text) + "\" are no bytes");
+      throw std::invalid_argument(fmt::format("\"{}\" are no bytes", text));
     }
     bytes.push_back(byte);
   }
@@ -88,7 +89,7 @@ Meaning meaning_in(const object& json, std::string_view key,
       return meaning;
     }
   }
-  throw std::invalid_argument(std::string(key) + " \"" + text + "\" is not known");
+  throw std::invalid_argument(fmt::format("{} \"{}\" is not known", key, text));
 }
 
 constexpr std::array<std::pair<std::string_view, TracedFraming>, 3> kFramings{

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/trace/trace_lines.hpp"
 
-#include <cstdio>
 #include <ctime>
+#include <fmt/chrono.h>
 #include <string_view>
 #include <vector>
 
@@ -20,22 +20,13 @@ constexpr const char* kNoAnswer = "no answer, the client has gone or gets none";
 /// "22:10:00.123456"
 std::string clock_text(TraceInstant instant) {
   const auto second = std::chrono::floor<std::chrono::seconds>(instant);
-  const std::time_t time = second.time_since_epoch().count();
-  std::tm local{};
-  ::localtime_r(&time, &local);
-  char text[32];
-  const std::size_t size = std::strftime(text, sizeof text, "%H:%M:%S", &local);
-  std::snprintf(text + size, sizeof text - size, ".%06d",
-                static_cast<int>((instant - second).count()));
-  return text;
+  return fmt::format("{:%H:%M:%S}.{:06}", fmt::localtime(second.time_since_epoch().count()),
+                     (instant - second).count());
 }
 
 /// "5.1 ms"
 std::string span_text(std::chrono::microseconds span) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f ms",
-                std::chrono::duration<double, std::milli>(span).count());
-  return text;
+  return fmt::format("{:.1f} ms", std::chrono::duration<double, std::milli>(span).count());
 }
 
 /// "2nd", "11th"
@@ -77,8 +68,9 @@ std::string place_of(const TracedFrame& frame) {
   if (frame.outcome == TracedOutcome::unasked) {
     return frame.bus;
   }
-  return frame.bus + " " +
-         (frame.device.empty() ? "address " + std::to_string(frame.address) : frame.device);
+  return fmt::format(
+      "{} {}", frame.bus,
+      frame.device.empty() ? fmt::format("address {}", frame.address) : frame.device);
 }
 
 /// "(+0.1 ms after the request came; 2nd try)", or nothing.
@@ -87,8 +79,9 @@ std::string sent_note(const TracedFrame& frame, const std::optional<TracedReques
   const std::string_view meaning = without_transaction(frame.sent->text);
   if (asked) {
     const auto after = frame.sent->raw.at - asked->request.raw.at;
-    notes.push_back(after.count() < 0 ? span_text(-after) + " before the request came"
-                                      : "+" + span_text(after) + " after the request came");
+    notes.push_back(after.count() < 0
+                        ? span_text(-after) + " before the request came"
+                        : fmt::format("+{} after the request came", span_text(after)));
   }
   if (!asked || meaning != without_transaction(asked->request.text)) {
     notes.emplace_back(meaning);
@@ -97,16 +90,12 @@ std::string sent_note(const TracedFrame& frame, const std::optional<TracedReques
     notes.push_back(ordinal(frame.tries) + " try");
   }
   if (frame.shared_by > 1) {
-    notes.push_back("shared by " + std::to_string(frame.shared_by) + " requests");
+    notes.push_back(fmt::format("shared by {} requests", frame.shared_by));
   }
   if (frame.outcome == TracedOutcome::sent) {
     notes.emplace_back("nobody answers that");
   }
-  std::string text;
-  for (const std::string& note : notes) {
-    text += (text.empty() ? "" : "; ") + note;
-  }
-  return text.empty() ? text : "  (" + text + ")";
+  return notes.empty() ? "" : fmt::format("  ({})", fmt::join(notes, "; "));
 }
 
 /// What is said of heard bytes beside them.
@@ -124,7 +113,7 @@ std::string heard_line(const TracedFrame& frame, const std::optional<TracedReque
   if (frame.heard.empty() && frame.outcome == TracedOutcome::sent) {
     return {};
   }
-  std::string line = "  " + place_of(frame) + " <";
+  std::string line = fmt::format("  {} <", place_of(frame));
   if (!frame.heard.empty()) {
     line += " " + modbus::hex(all_heard(frame));
     if (frame.not_kept > 0) {
@@ -143,8 +132,8 @@ std::string heard_line(const TracedFrame& frame, const std::optional<TracedReque
 std::string frame_lines(const TracedFrame& frame, const std::optional<TracedRequest>& asked) {
   std::string lines;
   if (frame.sent) {
-    lines = "  " + place_of(frame) + " > " + modbus::hex(frame.sent->raw.bytes) +
-            sent_note(frame, asked) + "\n";
+    lines = fmt::format("  {} > {}{}\n", place_of(frame), modbus::hex(frame.sent->raw.bytes),
+                        sent_note(frame, asked));
   }
   return lines + heard_line(frame, asked);
 }
@@ -166,7 +155,7 @@ std::string answer_line(const TraceEvent& event) {
     }
   }
   if (asked.answer) {
-    line += "  " + span_text(asked.answer->raw.at - asked.request.raw.at) + " in all";
+    line += fmt::format("  {} in all", span_text(asked.answer->raw.at - asked.request.raw.at));
   }
   return line + "\n";
 }
@@ -174,14 +163,14 @@ std::string answer_line(const TraceEvent& event) {
 std::string head_line(const TraceEvent& event) {
   if (event.asked) {
     const TracedRequest& asked = *event.asked;
-    return clock_text(asked.request.raw.at) + (request_failure(event).empty() ? " " : " FAILED ") +
-           asked.client + " " + asked.listener + " " +
-           std::string(without_transaction(asked.request.text)) + "\n";
+    return fmt::format("{}{}{} {} {}\n", clock_text(asked.request.raw.at),
+                       request_failure(event).empty() ? " " : " FAILED ", asked.client,
+                       asked.listener, without_transaction(asked.request.text));
   }
   const TracedFrame& frame = event.wire.front();
   if (frame.sent) {
-    return clock_text(frame.sent->raw.at) + (failure_of(frame).empty() ? "" : " FAILED") +
-           " for no client's request that is traced\n";
+    return fmt::format("{}{} for no client's request that is traced\n",
+                       clock_text(frame.sent->raw.at), failure_of(frame).empty() ? "" : " FAILED");
   }
   return clock_text(frame.heard.empty() ? frame.ended_at : frame.heard.front().at) +
          " heard without being asked\n";
@@ -195,14 +184,14 @@ std::string trace_lines(const TraceEvent& event) {
     lines += frame_lines(frame, event.asked);
   }
   if (event.wire_not_kept > 0) {
-    lines += "  " + and_more(event.wire_not_kept, "frame") + "\n";
+    lines += fmt::format("  {}\n", and_more(event.wire_not_kept, "frame"));
   }
   return event.asked ? lines + answer_line(event) : lines;
 }
 
 std::string missing_records(std::uint64_t lost) {
-  return std::to_string(lost) + (lost == 1 ? " record is" : " records are") +
-         " missing here: they came faster than they were read";
+  return fmt::format("{}{} missing here: they came faster than they were read", lost,
+                     lost == 1 ? " record is" : " records are");
 }
 
 std::string failure_of(const TracedFrame& frame) {
@@ -216,8 +205,9 @@ std::string failure_of(const TracedFrame& frame) {
     case TracedOutcome::unasked: return {};
     case TracedOutcome::damaged: return frame.heard_text;
     case TracedOutcome::no_response:
-      return (heard.empty() ? "nothing within " : "no response within ") + lasted() + heard;
-    case TracedOutcome::cut: return "cut off after " + lasted() + heard;
+      return fmt::format("{}{}{}", heard.empty() ? "nothing within " : "no response within ",
+                         lasted(), heard);
+    case TracedOutcome::cut: return fmt::format("cut off after {}{}", lasted(), heard);
   }
   return {};
 }
@@ -233,12 +223,12 @@ std::string request_failure(const TraceEvent& event) {
   if (!is_exception(*asked.answer)) {
     return {};
   }
-  return (asked.refused ? "refused by the gateway: " : "") +
-         std::string(without_unit(asked.answer->text)) + ended_behind(asked);
+  return fmt::format("{}{}{}", asked.refused ? "refused by the gateway: " : "",
+                     without_unit(asked.answer->text), ended_behind(asked));
 }
 
 std::string and_more(std::uint64_t not_kept, const std::string& what) {
-  return "and " + counted(not_kept, what) + " more";
+  return fmt::format("and {} more", counted(not_kept, what));
 }
 
 }  // namespace mbgate::ctl

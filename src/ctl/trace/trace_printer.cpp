@@ -5,11 +5,11 @@
 #include <boost/json/parse.hpp>
 #include <boost/json/serialize.hpp>
 #include <boost/json/value.hpp>
+#include <fmt/core.h>
 #include <ostream>
 #include <stdexcept>
 #include <string_view>
 
-#include "base/text.hpp"
 #include "ctl/trace/trace_lines.hpp"
 #include "ctl/visible_text.hpp"
 
@@ -98,7 +98,7 @@ std::string percent_encoded(std::string_view text) {
     if (kUnreserved.find(character) != std::string_view::npos) {
       encoded += character;
     } else {
-      encoded += '%' + hex_text(static_cast<unsigned char>(character), 2);
+      encoded += fmt::format("%{:02X}", static_cast<unsigned char>(character));
     }
   }
   return encoded;
@@ -110,10 +110,7 @@ std::string trace_target(const TraceFilter& filter) {
   std::string query;
   const auto add = [&](std::string_view key, std::string_view value) {
     if (!value.empty()) {
-      query.append(query.empty() ? "?" : "&")
-          .append(key)
-          .append("=")
-          .append(percent_encoded(value));
+      query += fmt::format("{}{}={}", query.empty() ? "?" : "&", key, percent_encoded(value));
     }
   };
   add("bus", filter.bus);

@@ -2,8 +2,8 @@
 #include "gateway/access/who.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 
-#include "base/text.hpp"
 #include "gateway/access/rule_verdict.hpp"
 #include "gateway/writes/write_rules.hpp"
 #include "routing/access.hpp"
@@ -16,7 +16,7 @@ using modbus::ExceptionCode;
 using KeyName = DenyingKey::Name;
 
 WhoAnswer denied(std::string by, ExceptionCode code, std::optional<DenyingKey> key = {}) {
-  const std::string text = ": exception " + hex_text(static_cast<std::uint8_t>(code), 2);
+  const std::string text = fmt::format(": exception {:02X}", static_cast<std::uint8_t>(code));
   return {false, "denied by " + std::move(by), text, key};
 }
 
@@ -40,8 +40,8 @@ WhoAnswer by_verdict(const RuleVerdict& verdict, const ClientInfo& client) {
   }
   for (const routing::AccessRule* rule : {verdict.rule, verdict.other}) {
     if (rule != nullptr && rule->per_second != 0) {
-      answer.consequence += "; at most " + std::to_string(rule->per_second) +
-                            " a second, stops excepted, else exception 06";
+      answer.consequence +=
+          fmt::format("; at most {} a second, stops excepted, else exception 06", rule->per_second);
     }
   }
   return answer;
@@ -69,7 +69,7 @@ WhoAnswer by_read_only(const SettingsSnapshot& settings, const ClientInfo& clien
 WhoAnswer by_denial(const SettingsSnapshot& settings, const ClientInfo& client, std::uint8_t unit,
                     routing::Denial denial, const routing::Route& route) {
   constexpr auto kCode = ExceptionCode::illegal_function;
-  const std::string of_route = " of the route of unit " + std::to_string(unit);
+  const std::string of_route = fmt::format(" of the route of unit {}", unit);
   switch (denial) {
     case routing::Denial::functions:
       return denied("functions" + of_route, kCode,
@@ -92,7 +92,7 @@ WhoAnswer unplanned(const SettingsSnapshot& settings, const routing::ResolvedRou
   }
   const auto& windows = resolved.route.windows;
   if (!windows.empty() && !routing::through_windows(windows, *request)) {
-    return denied("the windows (registers) of the route of unit " + std::to_string(unit), code,
+    return denied(fmt::format("the windows (registers) of the route of unit {}", unit), code,
                   key_of_route(settings, resolved.route, KeyName::windows));
   }
   return denied(resolved.device == nullptr ? "the devices on the bus"
@@ -157,10 +157,10 @@ WhoAnswer who_may(const SettingsSnapshot& settings, const ClientInfo& client, st
   const routing::ResolvedRoute* resolved = settings.routes.find(client.listener, unit);
   if (resolved == nullptr) {
     const RuleVerdict verdict = verdict_on_unplanned(settings, client, unit, request);
-    return verdict.permitted ? denied("the routes: unit " + std::to_string(unit) +
-                                          " leads nowhere on this listener",
-                                      ExceptionCode::gateway_path_unavailable)
-                             : by_verdict(verdict, client);
+    return verdict.permitted
+               ? denied(fmt::format("the routes: unit {} leads nowhere on this listener", unit),
+                        ExceptionCode::gateway_path_unavailable)
+               : by_verdict(verdict, client);
   }
   if (const auto denial = routing::denial_of(*resolved, rights, request)) {
     return by_denial(settings, client, unit, *denial, resolved->route);

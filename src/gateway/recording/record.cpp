@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <fmt/core.h>
 
 namespace mbgate::gateway {
 namespace {
@@ -157,7 +158,7 @@ void append_end(std::string& out, std::string_view why) { ((out += "end ") += wh
 std::string config_lines(const std::vector<ConfigFile>& files) {
   std::string out;
   for (const auto& file : files) {
-    out += "config " + file.path + '\n';
+    out += fmt::format("config {}\n", file.path);
     const std::string_view text = file.text;
     for (std::size_t begin = 0; begin < text.size();) {
       const std::size_t end = std::min(text.find('\n', begin), text.size());
@@ -169,9 +170,9 @@ std::string config_lines(const std::vector<ConfigFile>& files) {
 }
 
 std::string head_lines(const RecordingHead& head) {
-  std::string out = "mbgate recording 1\nversion " + head.version + '\n';
+  std::string out = fmt::format("mbgate recording 1\nversion {}\n", head.version);
   if (!head.profiles.empty()) {
-    out += "profiles " + head.profiles + '\n';
+    out += fmt::format("profiles {}\n", head.profiles);
   }
   return out + config_lines(head.config);
 }

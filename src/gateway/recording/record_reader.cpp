@@ -1,21 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The reading of a recording. The text comes from outside: every line is checked whole.
-#include <charconv>
+#include <fmt/core.h>
 #include <optional>
 
+#include "base/text.hpp"
 #include "gateway/limits.hpp"
 #include "gateway/recording/record.hpp"
 
 namespace mbgate::gateway {
 namespace {
-
-template <typename Number>
-std::optional<Number> number_of(std::string_view text) {
-  Number number{};
-  const char* const end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), end, number);
-  return error == std::errc{} && at == end ? std::optional(number) : std::nullopt;
-}
 
 std::optional<unsigned> digit_of(char character) {
   constexpr std::string_view kDigits = "0123456789ABCDEF";
@@ -32,7 +25,7 @@ class LineWords {
 
   std::string_view next(std::string_view wanted) {
     if (ended_ && error_.empty()) {
-      error_ = "expected " + std::string(wanted) + " at the end of the line";
+      error_ = fmt::format("expected {} at the end of the line", wanted);
     }
     const std::size_t space = rest_.find(' ');
     const std::string_view word = rest_.substr(0, space);
@@ -43,7 +36,7 @@ class LineWords {
   template <typename Number>
   Number number(std::string_view wanted) {
     const std::string_view word = next(wanted);
-    const auto value = number_of<Number>(word);
+    const auto value = integer_in<Number>(word);
     if (!value) {
       wrong(wanted, word);
     }
@@ -118,7 +111,7 @@ class LineWords {
   }
   void wrong(std::string_view wanted, std::string_view found) {
     if (error_.empty()) {
-      error_ = "expected " + std::string(wanted) + ", found \"" + std::string(found) + '"';
+      error_ = fmt::format("expected {}, found \"{}\"", wanted, found);
     }
   }
   /// What was wrong, or nothing if the line ends here.
@@ -150,8 +143,8 @@ ClientBytes bytes_of(LineWords& words, std::vector<std::uint8_t>& storage) {
   ClientBytes input{words.client(), {}, words.number<std::size_t>("a number of bytes")};
   input.bytes = words.hex(storage);
   if (input.bytes.size() > kClientReadSize) {
-    words.wrong("at most " + std::to_string(kClientReadSize) + " bytes",
-                std::to_string(input.bytes.size()) + " bytes");
+    words.wrong(fmt::format("at most {} bytes", kClientReadSize),
+                fmt::format("{} bytes", input.bytes.size()));
   }
   return input;
 }
@@ -266,7 +259,7 @@ Result<bool, std::string> HeadReader::read(std::string_view line) {
   } else if (take_key(value, "profiles")) {
     head_.profiles = value;
   } else if (line.ends_with(" start")) {
-    const auto start = number_of<std::int64_t>(line.substr(0, line.size() - 6));
+    const auto start = integer_in<std::int64_t>(line.substr(0, line.size() - 6));
     head_.config = config_.take();
     if (!start || head_.config.empty()) {
       return std::string(start ? "expected the configuration before the start"
@@ -275,7 +268,7 @@ Result<bool, std::string> HeadReader::read(std::string_view line) {
     head_.start = instant_of(*start);
     return true;
   } else {
-    return "expected a line of the configuration or the start, found \"" + std::string(line) + '"';
+    return fmt::format("expected a line of the configuration or the start, found \"{}\"", line);
   }
   return false;
 }

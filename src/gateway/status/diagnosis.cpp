@@ -2,6 +2,7 @@
 #include "gateway/status/diagnosis.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 
 #include "base/text.hpp"
 #include "gateway/status/findings.hpp"
@@ -16,14 +17,14 @@ using Devices = std::vector<const DeviceStatus*>;
 
 std::string others_answer(const StatusReport& report, const DeviceStatus& device) {
   return do_others_answer(report, device)
-             ? "; others on " + report.buses[device.bus].name + " answer"
+             ? fmt::format("; others on {} answer", report.buses[device.bus].name)
              : "";
 }
 
 // The settings that a drive must have in common with its line.
 std::string mode_of_drives(const BusStatus& bus) {
   if (bus.is_serial) {
-    return "; its baud rate and parity, here " + mode_text(bus) + "; its wires";
+    return fmt::format("; its baud rate and parity, here {}; its wires", mode_text(bus));
   }
   return is_behind_a_server(bus)
              ? "; its baud rate and parity, and those of the serial server; its wires"
@@ -37,33 +38,33 @@ Diagnosis of_silent_device(const StatusReport& report, const DeviceStatus& devic
       counted(device.silence.transmissions(), "transmission") + " in a row unanswered";
   if (device.unreached) {
     return {Rank::drive_lost, subject_of(report, device), "the server does not reach it",
-            evidence + "; the server says " + modbus::exception_text(*device.unreached) +
-                others_answer(report, device),
+            fmt::format("{}; the server says {}{}", evidence,
+                        modbus::exception_text(*device.unreached), others_answer(report, device)),
             "its power, its cable; its unit identifier, and what the server knows of it"};
   }
   if (!device.has_answered) {
     return {Rank::drive_lost, subject_of(report, device), "it has never answered",
             evidence + others_answer(report, device),
-            "its power; its address " + address + mode_of_drives(bus)};
+            fmt::format("its power; its address {}{}", address, mode_of_drives(bus))};
   }
   if (device.last_answer) {
-    evidence += "; the last answer came " + passed_text(*device.last_answer) + " ago";
+    evidence += fmt::format("; the last answer came {} ago", passed_text(*device.last_answer));
   }
   const bool is_on_a_line = bus.framing != bus::Framing::tcp;
-  return {Rank::drive_lost, subject_of(report, device), "it does not answer any more",
-          std::move(evidence),
-          std::string("its power, its cable; ") +
-              (is_on_a_line ? "its address, baud rate and parity, if it was replaced or reset; a "
-                              "second device at address " +
-                                  address
-                            : "its address, if it was replaced or reset") +
-              "; whether it answers later than response_timeout, " +
-              milliseconds_text(device.response_timeout)};
+  return {
+      Rank::drive_lost, subject_of(report, device), "it does not answer any more",
+      std::move(evidence),
+      fmt::format("its power, its cable; {}; whether it answers later than response_timeout, {}",
+                  is_on_a_line ? fmt::format("its address, baud rate and parity, if it was "
+                                             "replaced or reset; a second device at address {}",
+                                             address)
+                               : "its address, if it was replaced or reset",
+                  milliseconds_text(device.response_timeout))};
 }
 
 Diagnosis of_device_nobody_asks(const StatusReport& report, const DeviceStatus& device) {
   return {Rank::warning, subject_of(report, device), "it did not answer when it was last asked",
-          "that was " + passed_text(*device.last_request) + " ago",
+          fmt::format("that was {} ago", passed_text(*device.last_request)),
           "whether it should be asked; its power, its cable"};
 }
 
@@ -77,11 +78,11 @@ std::string ranges_of(const Devices& devices) {
       ++end;
     }
     if (ranges == kMostRanges) {
-      return text + " and " + std::to_string(devices.size() - first) + " more";
+      return fmt::format("{} and {} more", text, devices.size() - first);
     }
     text += (text.empty() ? "" : ", ") + std::to_string(devices[first]->address);
     if (end - first > 1) {
-      text += " to " + std::to_string(devices[end - 1]->address);
+      text += fmt::format(" to {}", devices[end - 1]->address);
     }
     first = end;
   }
@@ -102,7 +103,7 @@ void diagnose_tried(const StatusReport& report, const Devices& tried, const Toge
     const auto* longest = *std::ranges::max_element(tried, {}, &DeviceStatus::silent_for);
     const BusStatus& bus = report.buses[tried.front()->bus];
     one.subject = subject_of(bus);
-    one.finding = std::to_string(tried.size()) + " addresses have never answered";
+    one.finding = fmt::format("{} addresses have never answered", tried.size());
     one.evidence = ranges_of(tried) + others_answer(report, *longest);
     one.look_at =
         "the unit identifiers that a client asks for; if drives should be there: their "
@@ -115,10 +116,10 @@ void diagnose_tried(const StatusReport& report, const Devices& tried, const Toge
 // behind its echo, which looks the same.
 Diagnosis of_second_answer(const StatusReport& report, const DeviceStatus& device) {
   return {Rank::bad_answers, subject_of(report, device), "two answers came to one request",
-          "the last time " + passed_text(*device.last_second_answer) + " ago",
-          "two devices at address " + std::to_string(device.address) +
-              "; another client on this line that asks it; whether the line hears what it sends "
-              "(`echo`)"};
+          fmt::format("the last time {} ago", passed_text(*device.last_second_answer)),
+          fmt::format("two devices at address {}; another client on this line that asks it; "
+                      "whether the line hears what it sends (`echo`)",
+                      device.address)};
 }
 
 Diagnosis of_other_order(const StatusReport& report, const DeviceStatus& device) {
@@ -128,9 +129,9 @@ Diagnosis of_other_order(const StatusReport& report, const DeviceStatus& device)
     expected += (expected.empty() ? "" : " or ") + std::to_string(value);
   }
   return {Rank::bad_answers, subject_of(report, device), "its word order is not the configured one",
-          "its holding register " + std::to_string(other.address) + " held " +
-              std::to_string(other.holds) + " when it was last read; " + expected +
-              " is what was configured",
+          fmt::format(
+              "its holding register {} held {} when it was last read; {} is what was configured",
+              other.address, other.holds, expected),
           "`word_order`, or the setting of the drive; until then no values are written to it"};
 }
 
@@ -138,8 +139,9 @@ Diagnosis of_failed_stop(const StatusReport& report, const DeviceStatus& device)
   const std::uint8_t exception = device.stop_exception;
   return {Rank::drive_lost, subject_of(report, device),
           exception == 0 ? "it has not acknowledged a stop" : "it has refused a stop",
-          (exception == 0 ? "no answer" : modbus::exception_text(exception)) +
-              " to the last try, " + passed_text(*device.last_failed_stop) + " ago",
+          fmt::format("{} to the last try, {} ago",
+                      exception == 0 ? "no answer" : modbus::exception_text(exception),
+                      passed_text(*device.last_failed_stop)),
           "whether it stands still"};
 }
 

@@ -2,6 +2,7 @@
 #include "gateway/status/findings.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
 
 #include "gateway/status/quality_text.hpp"
 
@@ -42,17 +43,17 @@ bool was_heard_within(const DeviceStatus& device, Duration ago) {
 std::string passed_text(Duration duration) {
   using namespace std::chrono;
   if (duration < minutes(2)) {
-    return std::to_string(floor<seconds>(duration).count()) + " s";
+    return fmt::format("{} s", floor<seconds>(duration).count());
   }
   if (duration < hours(2)) {
-    return std::to_string(floor<minutes>(duration).count()) + " min";
+    return fmt::format("{} min", floor<minutes>(duration).count());
   }
-  return duration < days(2) ? std::to_string(floor<hours>(duration).count()) + " h"
-                            : std::to_string(floor<days>(duration).count()) + " days";
+  return duration < days(2) ? fmt::format("{} h", floor<hours>(duration).count())
+                            : fmt::format("{} days", floor<days>(duration).count());
 }
 
 std::string mode_text(const BusStatus& bus) {
-  return std::to_string(static_cast<std::uint32_t>(bus.baud)) + " baud " + format_text(bus.format);
+  return fmt::format("{} baud {}", fmt::underlying(bus.baud), format_text(bus.format));
 }
 
 bool is_behind_a_server(const BusStatus& bus) {
@@ -63,7 +64,7 @@ std::string subject_of(const BusStatus& bus) { return "bus " + bus.name; }
 
 std::string subject_of(const StatusReport& report, const DeviceStatus& device) {
   return device.name.empty()
-             ? subject_of(report.buses[device.bus]) + " address " + std::to_string(device.address)
+             ? fmt::format("{} address {}", subject_of(report.buses[device.bus]), device.address)
              : "device " + device.name;
 }
 

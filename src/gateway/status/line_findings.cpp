@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is wrong with a bus.
+#include <fmt/core.h>
 #include <utility>
 
 #include "base/text.hpp"
@@ -34,14 +35,17 @@ std::string causes_of_no_answer(const BusStatus& bus) {
   if (!bus.is_serial) {
     return "unit identifiers; whether the server is a Modbus TCP server";
   }
-  return "power; the cable and its plug; A and B; whether `device` is the port of this line; unit "
-         "addresses; the drives' setting, here " +
-         mode_text(bus) + "; RTU or ASCII (`mode`); what switches the direction (`rs485`)";
+  return fmt::format(
+      "power; the cable and its plug; A and B; whether `device` is the port of this line; unit "
+      "addresses; the drives' setting, here {}; RTU or ASCII (`mode`); what switches the direction "
+      "(`rs485`)",
+      mode_text(bus));
 }
 
 Diagnosis of_dead_bus(const BusStatus& bus, const Together& all) {
-  std::string evidence = counted(all.unanswered, "transmission") + " in a row to " +
-                         counted(all.silent, "device") + " unanswered";
+  std::string evidence =
+      fmt::format("{} in a row to {} unanswered", counted(all.unanswered, "transmission"),
+                  counted(all.silent, "device"));
   if (all.unreached == all.silent) {
     return {Rank::nothing_works, subject_of(bus), "the server answers, but reaches none of them",
             std::move(evidence),
@@ -65,9 +69,9 @@ Diagnosis of_dead_bus(const BusStatus& bus, const Together& all) {
 
 // A request can only be another client's. A frame of a drive may be the second drive's, too.
 Diagnosis of_foreign_frames(const BusStatus& bus) {
-  std::string evidence = "the last one " + passed_text(*bus.last_foreign) + " ago";
+  std::string evidence = fmt::format("the last one {} ago", passed_text(*bus.last_foreign));
   if (bus.counters.foreign_frames > 0) {  // else they were cleared
-    evidence += ", " + std::to_string(bus.counters.foreign_frames) + " counted";
+    evidence += fmt::format(", {} counted", bus.counters.foreign_frames);
   }
   if (is_lately(bus.last_foreign_request)) {
     return {Rank::warning, subject_of(bus), "requests are heard that nobody here sent", evidence,
@@ -93,21 +97,20 @@ void diagnose_load(const BusStatus& bus, const Together& all, std::vector<Diagno
   if (bus.load < kFullLoad || all.are_waited_for || are_long < kLeastWaits) {
     return;
   }
-  const std::string busy = "busy " + std::to_string(bus.load) + " % of the time; ";
+  const std::string busy = fmt::format("busy {} % of the time; ", bus.load);
   if (is_flooded(bus)) {
-    found.push_back({Rank::warning, "client " + bus.most_waiting->address,
-                     "it asks for more than " + subject_of(bus) + " can carry",
-                     subject_of(bus) + " is " + busy + std::to_string(bus.most_waiting->requests) +
-                         " of the " + counted(bus.most_waiting->of, "request") +
-                         " that wait are its, the oldest for " +
-                         milliseconds_text(bus.most_waiting->longest),
-                     "how often it asks, and on how many connections; `pipeline`; `cache` "
-                     "for what it reads"});
+    found.push_back(
+        {Rank::warning, "client " + bus.most_waiting->address,
+         fmt::format("it asks for more than {} can carry", subject_of(bus)),
+         fmt::format("{} is {}{} of the {} that wait are its, the oldest for {}", subject_of(bus),
+                     busy, bus.most_waiting->requests, counted(bus.most_waiting->of, "request"),
+                     milliseconds_text(bus.most_waiting->longest)),
+         "how often it asks, and on how many connections; `pipeline`; `cache` "
+         "for what it reads"});
   } else if (are_long * 2 >= requests) {
     found.push_back({Rank::warning, subject_of(bus), "it is asked for more than it can carry",
-                     busy + std::to_string(are_long) + " of the last " +
-                         counted(requests, "request") + " waited " +
-                         milliseconds_text(bus::kLongWait) + " or longer",
+                     fmt::format("{}{} of the last {} waited {} or longer", busy, are_long,
+                                 counted(requests, "request"), milliseconds_text(bus::kLongWait)),
                      "poll less often; longer reads instead of many; `cache`; baud rate"});
   }
 }
@@ -122,11 +125,12 @@ void diagnose_bus(const BusStatus& bus, const Together& all, std::vector<Diagnos
                          ? "the adapter and its plug; `device`; who else has the port open"
                          : "the network, the server and its port"});
   } else if (bus.last_never_silent && *bus.last_never_silent < kSilentAgain) {
-    found.push_back({Rank::nothing_works, subject_of(bus),
-                     "it is never silent: nothing can be sent",
-                     "bytes came without the silence that a request needs before it, the last " +
-                         passed_text(*bus.last_never_silent) + " ago",
-                     "another client on this line, baud rate, termination or bias"});
+    found.push_back(
+        {Rank::nothing_works, subject_of(bus), "it is never silent: nothing can be sent",
+         fmt::format(
+             "bytes came without the silence that a request needs before it, the last {} ago",
+             passed_text(*bus.last_never_silent)),
+         "another client on this line, baud rate, termination or bias"});
   } else if (all.is_dead() && bus.echo != bus::NoticedEcho::denied) {
     found.push_back(of_dead_bus(bus, all));
   }

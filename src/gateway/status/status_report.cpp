@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <bitset>
+#include <fmt/core.h>
 
 namespace mbgate::gateway {
 namespace {
 
 std::string line_text(const bus::LineSettings& line) {
-  return line.remote ? line.remote->host + ":" + std::to_string(line.remote->port) : line.device;
+  return line.remote ? fmt::format("{}:{}", line.remote->host, line.remote->port) : line.device;
 }
 
 std::optional<Duration> since(Instant instant, Instant now) {
@@ -146,7 +147,7 @@ std::string format_text(const modbus::CharacterFormat& format) {
     case modbus::Parity::even: parity = 'E'; break;
     case modbus::Parity::odd: parity = 'O'; break;
   }
-  return std::to_string(format.data_bits) + parity + std::to_string(format.stop_bits);
+  return fmt::format("{}{}{}", format.data_bits, parity, format.stop_bits);
 }
 
 StatusReport make_status_report(const StatusSources& sources, Duration uptime, Instant now,

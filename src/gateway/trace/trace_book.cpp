@@ -80,10 +80,7 @@ WireTrace TraceBook::blank(BusId bus, std::uint8_t address) const {
   wire.bus = settings.bus(bus).name;
   wire.framing = settings.bus(bus).line.framing;
   wire.address = address;
-  const auto device = std::ranges::find_if(settings.devices, [&](const drive::Device& it) {
-    return it.bus == bus && it.address == address;
-  });
-  wire.device = device == settings.devices.end() ? "" : device->name;
+  wire.device = settings.device_name(bus, address);
   return wire;
 }
 

@@ -2,6 +2,7 @@
 #include "gateway/trace/trace_text.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 
 #include "modbus/ascii.hpp"
 #include "modbus/checksum.hpp"
@@ -26,9 +27,9 @@ ByteString all_heard(const WireTrace& wire) {
 
 std::string body_text(const modbus::RtuAdu& adu, Direction direction) {
   const Bytes pdu = adu.pdu.bytes();
-  return "unit " + std::to_string(adu.address) + ": " +
-         (direction == Direction::request ? modbus::describe_request(pdu)
-                                          : modbus::describe_response(pdu));
+  return fmt::format("unit {}: {}", adu.address,
+                     direction == Direction::request ? modbus::describe_request(pdu)
+                                                     : modbus::describe_response(pdu));
 }
 
 /// Of bytes that nobody had asked for: whose meaning fits.
@@ -56,7 +57,7 @@ std::string bad_rtu(Bytes bytes) {
   }
   const std::size_t whole = length.bytes + modbus::kRtuOverhead;
   if (bytes.size() < whole) {
-    return size + " of " + std::to_string(whole) + ": the frame is not whole";
+    return fmt::format("{} of {}: the frame is not whole", size, whole);
   }
   if (bytes.size() > whole) {
     return size + ", not one whole frame";
@@ -64,7 +65,8 @@ std::string bad_rtu(Bytes bytes) {
   const std::uint16_t crc = modbus::crc16(body);
   const std::uint8_t right[] = {static_cast<std::uint8_t>(crc),
                                 static_cast<std::uint8_t>(crc >> 8)};
-  return "CRC " + modbus::hex(bytes.last(kCrc)) + ", " + modbus::hex(right) + " would be right";
+  return fmt::format("CRC {}, {} would be right", modbus::hex(bytes.last(kCrc)),
+                     modbus::hex(right));
 }
 
 std::string rtu_text(Bytes bytes, Direction direction) {

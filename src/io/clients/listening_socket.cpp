@@ -10,6 +10,7 @@
 #include <boost/asio/ip/v6_only.hpp>
 #include <cerrno>
 #include <chrono>
+#include <fmt/core.h>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -63,7 +64,7 @@ void set_connection_options(tcp::acceptor& acceptor, const gateway::TcpSettings&
 
 ListenFailure refusal(const gateway::ListenerSettings& listener, const std::string& where,
                       const std::string& why) {
-  return {"listener \"" + listener.name + "\": cannot listen on " + where + ": " + why};
+  return {fmt::format("listener \"{}\": cannot listen on {}: {}", listener.name, where, why)};
 }
 
 /// Nothing if the descriptor has no such option.
@@ -209,10 +210,10 @@ std::vector<std::string> open_listeners(const gateway::Settings& settings,
   for (const auto& listener : settings.listeners) {
     const auto reached = sockets.reached.find(listener.name);
     if (reached != sockets.reached.end() && settings.is_open_to_all(listener)) {
-      found.push_back("listener \"" + listener.name + "\": other machines reach the socket " +
-                      reached->second +
-                      " from systemd: expected 'allow' with those who may connect, such as allow = "
-                      "[\"192.168.10.0/24\"], or a [[rule]]");
+      found.push_back(fmt::format(
+          "listener \"{}\": other machines reach the socket {} from systemd: expected 'allow' with "
+          "those who may connect, such as allow = [\"192.168.10.0/24\"], or a [[rule]]",
+          listener.name, reached->second));
     }
   }
   return found;

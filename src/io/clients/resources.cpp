@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <fmt/core.h>
 #include <limits>
 
 #include "gateway/settings/numbering.hpp"
@@ -90,15 +91,13 @@ DescriptorRoom room_for_clients(const gateway::Settings& settings, std::size_t l
   }
   const bool has_tls = std::ranges::any_of(
       settings.listeners, [](const auto& it) { return !it.is_gone && it.tls.has_value(); });
-  room.shortage =
-      "max_connections of all listeners together is " + std::to_string(wanted) +
-      (has_tls ? " (with TLS each counts three times, and each of max_handshakes once)" : "") +
-      (http > 0 ? ", the HTTP interface may need " + std::to_string(http) + " more" : "") +
-      ", but the limit of " + std::to_string(limit) + " open files leaves room for " +
-      std::to_string(room.clients) + " clients: lower " +
-      (http > 0 ? "max_connections or [http] max_streams" : "it") +
-      ", or raise the limit (LimitNOFILE= of the unit) to " +
-      std::to_string(wanted + http + others);
+  room.shortage = fmt::format(
+      "max_connections of all listeners together is {}{}{}, but the limit of {} open files leaves "
+      "room for {} clients: lower {}, or raise the limit (LimitNOFILE= of the unit) to {}",
+      wanted, has_tls ? " (with TLS each counts three times, and each of max_handshakes once)" : "",
+      http > 0 ? fmt::format(", the HTTP interface may need {} more", http) : "", limit,
+      room.clients, http > 0 ? "max_connections or [http] max_streams" : "it",
+      wanted + http + others);
   return room;
 }
 

@@ -12,20 +12,8 @@
 #include "sys/unique_fd.hpp"
 
 namespace mbgate::io {
-namespace {
 
 using boost::system::error_code;
-
-/// Bytes sent; nothing if the connection is broken.
-std::optional<std::size_t> try_send(int socket, modbus::Bytes bytes) {
-  const ssize_t count = ::send(socket, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-  if (count >= 0) {
-    return static_cast<std::size_t>(count);
-  }
-  return sys::would_block(errno) ? std::optional<std::size_t>(0) : std::nullopt;
-}
-
-}  // namespace
 
 std::size_t unread_bytes(int socket) {
   int bytes = 0;
@@ -65,7 +53,7 @@ void TcpConnection::resume() {
 TcpConnection::SendOutcome TcpConnection::send(const modbus::MbapBytes& adu) {
   answered_ = true;
   if (outbox_.empty()) {
-    const auto count = try_send(socket_.native_handle(), adu);
+    const auto count = sys::send_now(socket_.native_handle(), adu);
     if (!count) {
       return SendOutcome::failed;
     }
@@ -192,7 +180,7 @@ boost::asio::awaitable<void> TcpConnection::write_loop(std::shared_ptr<TcpConnec
 bool TcpConnection::write_queued() {
   while (socket_.is_open() && !outbox_.empty()) {
     const modbus::Bytes rest = modbus::Bytes(outbox_.front()).subspan(written_);
-    const auto count = try_send(socket_.native_handle(), rest);
+    const auto count = sys::send_now(socket_.native_handle(), rest);
     if (!count) {
       closing_ ? finish() : disconnect();
       return false;

@@ -10,6 +10,8 @@
 #include <memory>
 #include <system_error>
 
+#include "base/host_and_port.hpp"
+
 namespace mbgate::io {
 namespace {
 
@@ -22,9 +24,7 @@ struct FreeAddresses {
 }  // namespace
 
 std::string to_text(const bus::Endpoint& remote) {
-  const bool is_v6 = remote.host.find(':') != std::string::npos;
-  return "tcp://" + (is_v6 ? "[" + remote.host + "]" : remote.host) + ":" +
-         std::to_string(remote.port);
+  return "tcp://" + host_and_port(remote.host, remote.port);
 }
 
 std::optional<tcp::endpoint> numeric_endpoint(const bus::Endpoint& remote) {

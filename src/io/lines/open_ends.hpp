@@ -8,6 +8,7 @@
 
 #include <array>
 #include <chrono>
+#include <fmt/core.h>
 #include <future>
 #include <map>
 #include <optional>
@@ -45,7 +46,7 @@ class OpenEnds {
 inline std::string port_end(const std::string& device) {
   struct stat status {};
   return ::stat(device.c_str(), &status) == 0 && S_ISCHR(status.st_mode)
-             ? "port " + std::to_string(status.st_rdev)
+             ? fmt::format("port {}", status.st_rdev)
              : device;
 }
 

@@ -9,6 +9,7 @@
 #include <boost/asio/experimental/awaitable_operators.hpp>
 #include <cerrno>
 #include <chrono>
+#include <fmt/core.h>
 #include <system_error>
 #include <tuple>
 #include <utility>
@@ -33,16 +34,6 @@ constexpr std::chrono::milliseconds kTakeLimit{1000};
 bool has_far_end_closed(int error) { return error == ECONNRESET || error == EPIPE; }
 
 std::string text_of(int error) { return std::generic_category().message(error); }
-
-/// Bytes sent; nothing if the connection is broken.
-std::optional<std::size_t> try_send(tcp::socket& socket, modbus::Bytes bytes) {
-  const ssize_t count =
-      ::send(socket.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-  if (count >= 0) {
-    return static_cast<std::size_t>(count);
-  }
-  return sys::would_block(errno) ? std::optional<std::size_t>(0) : std::nullopt;
-}
 
 /// What ended first: an operation on the socket, or the timer that limits it.
 using Ended = std::variant<std::tuple<error_code>, std::tuple<error_code>>;
@@ -94,7 +85,7 @@ void TcpLine::start_connecting(HostAddresses addresses) {
 boost::asio::awaitable<void> TcpLine::connect(HostAddresses addresses, unsigned generation) {
   std::string failures;
   for (const auto& address : addresses) {
-    const std::string end = address.address().to_string() + ' ' + std::to_string(address.port());
+    const std::string end = fmt::format("{} {}", address.address().to_string(), address.port());
     if (const auto other = context_.ends->other(this, end)) {
       failures += (failures.empty() ? "" : "; ") + end + " is what bus " + *other + " has open";
       continue;
@@ -121,8 +112,8 @@ boost::asio::awaitable<void> TcpLine::connect(HostAddresses addresses, unsigned 
     }
     close_socket();
     const bool by_name = addresses.size() > 1 || !numeric_endpoint(remote_);
-    failures += (failures.empty() ? "" : "; ") +
-                (by_name ? address.address().to_string() + ": " : "") + failure;
+    failures += fmt::format("{}{}{}", failures.empty() ? "" : "; ",
+                            by_name ? address.address().to_string() + ": " : "", failure);
   }
   fail_to_open(failures);
 }
@@ -138,7 +129,7 @@ void TcpLine::finish_open() {
 
 void TcpLine::fail_to_open(const std::string& why) {
   state_ = State::closed;
-  context_.events.line_lost(bus_, "cannot connect to " + name_ + ": " + why);
+  context_.events.line_lost(bus_, fmt::format("cannot connect to {}: {}", name_, why));
 }
 
 std::optional<std::string> TcpLine::transmit(modbus::Bytes frame) {
@@ -149,12 +140,12 @@ std::optional<std::string> TcpLine::transmit(modbus::Bytes frame) {
     close();
     return name_ + ": the far end has not taken the frame before";
   }
-  const auto count = try_send(socket_, frame);
+  const auto count = sys::send_now(socket_.native_handle(), frame);
   if (!count && has_far_end_closed(errno)) {
     return std::nullopt;  // the reader, whose turn is next, tells it
   }
   if (!count) {
-    std::string why = name_ + ": cannot send: " + text_of(errno);
+    std::string why = fmt::format("{}: cannot send: {}", name_, text_of(errno));
     close();
     return why;
   }
@@ -221,7 +212,7 @@ boost::asio::awaitable<void> TcpLine::write_rest(unsigned generation) {
       lose("the far end does not take a frame in time");
       co_return;
     }
-    const auto count = try_send(socket_, rest_);
+    const auto count = sys::send_now(socket_.native_handle(), rest_);
     if (!count) {
       lose("cannot send: " + text_of(errno));
       co_return;
@@ -266,12 +257,13 @@ void TcpLine::note_end(const error_code& error) {
   }
   close();
   context_.events.line_closed(
-      bus_, name_ + ": " + (eof ? "the far end has closed the connection" : error.message()));
+      bus_, fmt::format("{}: {}", name_,
+                        eof ? "the far end has closed the connection" : error.message()));
 }
 
 void TcpLine::lose(const std::string& why) {
   close();
-  context_.events.line_lost(bus_, name_ + ": " + why);
+  context_.events.line_lost(bus_, fmt::format("{}: {}", name_, why));
 }
 
 }  // namespace mbgate::io

@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <fmt/core.h>
 #include <system_error>
 
 namespace mbgate::io {
@@ -49,8 +50,8 @@ std::vector<std::string> set_options(int socket, const bus::ConnectionTimes& tim
   for (const auto& option : options) {
     if (::setsockopt(socket, option.level, option.number, &option.value, sizeof option.value) !=
         0) {
-      warnings.push_back(name + ": cannot set " + option.name + ": " +
-                         std::generic_category().message(errno));
+      warnings.push_back(fmt::format("{}: cannot set {}: {}", name, option.name,
+                                     std::generic_category().message(errno)));
     }
   }
   return warnings;

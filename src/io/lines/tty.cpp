@@ -10,6 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <filesystem>
+#include <fmt/format.h>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -53,7 +54,7 @@ std::optional<std::string> ask_for_low_latency(int fd, const std::string& device
   if (errno == ENOTTY || errno == EINVAL || errno == EOPNOTSUPP) {
     return std::nullopt;
   }
-  return device + ": no low-latency mode: " + std::generic_category().message(errno);
+  return fmt::format("{}: no low-latency mode: {}", device, std::generic_category().message(errno));
 }
 
 /// What the kernel calls the device: "ttyUSB0"; nothing for what sysfs does not know.
@@ -62,8 +63,8 @@ std::string kernel_name(int fd) {
   if (::fstat(fd, &status) != 0) {
     return {};
   }
-  const auto link = "/sys/dev/char/" + std::to_string(major(status.st_rdev)) + ':' +
-                    std::to_string(minor(status.st_rdev));
+  const auto link =
+      fmt::format("/sys/dev/char/{}:{}", major(status.st_rdev), minor(status.st_rdev));
   std::error_code error;
   return std::filesystem::read_symlink(link, error).filename();
 }
@@ -85,22 +86,24 @@ bus::LineKind kind_of(int fd) {
 }  // namespace
 
 std::string open_failure(const std::string& device, int error) {
-  std::string text = "cannot open " + device + ": " + std::generic_category().message(error);
+  std::string text =
+      fmt::format("cannot open {}: {}", device, std::generic_category().message(error));
   switch (error) {
     case EBUSY: return device + ": another program uses it";
     case ENOTTY: return device + ": this is no serial line";
     case EACCES:
-      return text +
-             "; the user that mbgated runs as must be in the group of this port, mostly dialout "
-             "(\"ls -lL " +
-             device + "\" names it), and its mode must let that group read and write";
+      return fmt::format(
+          "{}; the user that mbgated runs as must be in the group of this port, mostly dialout "
+          "(\"ls -lL {}\" names it), and its mode must let that group read and write",
+          text, device);
     case EPERM:
       // The device cgroup refuses with EPERM where file modes refuse with EACCES. A DeviceAllow= of
       // a driver that was not loaded when the unit started allows nothing.
-      return text +
-             "; if systemd started mbgated, its unit does not allow this driver, or the driver was "
-             "loaded after the unit had started: the unit needs \"DeviceAllow=char-" +
-             driver_name(device) + " rw\" (systemctl edit mbgated)";
+      return fmt::format(
+          "{}; if systemd started mbgated, its unit does not allow this driver, or the driver was "
+          "loaded after the unit had started: the unit needs \"DeviceAllow=char-{} rw\" (systemctl "
+          "edit mbgated)",
+          text, driver_name(device));
     default: return text;
   }
 }
@@ -110,18 +113,18 @@ Result<std::vector<std::string>, std::string> set_mode(int fd, const bus::LineSe
   const sys::TtyMode wanted = mode_of(line);
   const auto real = sys::set_tty_mode(fd, wanted);
   if (!real) {
-    return line.device + ": cannot set " + to_text(line) + ": " +
-           std::generic_category().message(errno);
+    return fmt::format("{}: cannot set {}: {}", line.device, to_text(line),
+                       std::generic_category().message(errno));
   }
   if (!real->has_rate_near(wanted.baud)) {
-    return line.device + ": asked for " + std::to_string(wanted.baud) + " baud, the driver took " +
-           std::to_string(real->baud) + " baud, which is more than 2 % off";
+    return fmt::format("{}: asked for {} baud, the driver took {} baud, which is more than 2 % off",
+                       line.device, wanted.baud, real->baud);
   }
   if (real->has_format_of(wanted)) {
     return std::vector<std::string>();
   }
-  std::string text = line.device + ": asked for " + wanted.format_text() + ", the driver took " +
-                     real->format_text();
+  std::string text = fmt::format("{}: asked for {}, the driver took {}", line.device,
+                                 wanted.format_text(), real->format_text());
   if (!is_pseudo_terminal) {
     return text;
   }
@@ -129,7 +132,7 @@ Result<std::vector<std::string>, std::string> set_mode(int fd, const bus::LineSe
 }
 
 std::string to_text(const bus::LineSettings& line) {
-  return std::to_string(static_cast<std::uint32_t>(line.baud)) + " " + mode_of(line).format_text();
+  return fmt::format("{} {}", fmt::underlying(line.baud), mode_of(line).format_text());
 }
 
 Result<OpenTty, std::string> open_tty(const bus::LineSettings& line) {

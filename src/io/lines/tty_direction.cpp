@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <chrono>
+#include <fmt/core.h>
 #include <system_error>
 
 namespace mbgate::io {
@@ -29,9 +30,8 @@ std::string flags_text(std::uint32_t flags) {
 }
 
 std::string direction_text(const serial_rs485& direction) {
-  return flags_text(direction.flags) + ", delays " +
-         std::to_string(direction.delay_rts_before_send) + " and " +
-         std::to_string(direction.delay_rts_after_send) + " ms";
+  return fmt::format("{}, delays {} and {} ms", flags_text(direction.flags),
+                     direction.delay_rts_before_send, direction.delay_rts_after_send);
 }
 
 bool same_direction(const serial_rs485& a, const serial_rs485& b) {
@@ -42,12 +42,13 @@ bool same_direction(const serial_rs485& a, const serial_rs485& b) {
 
 std::string refusal(const bus::LineSettings& line, const char* action, int error) {
   if (error == ENOTTY) {
-    return line.device +
-           ": the driver has no RS-485 mode; use rs485 = \"off\" if the adapter switches direction "
-           "by itself, as most USB adapters do, or rs485 = \"rts\"";
+    return fmt::format(
+        "{}: the driver has no RS-485 mode; use rs485 = \"off\" if the adapter switches direction "
+        "by itself, as most USB adapters do, or rs485 = \"rts\"",
+        line.device);
   }
-  return line.device + ": cannot " + action +
-         " rs485 = \"kernel\": " + std::generic_category().message(error);
+  return fmt::format("{}: cannot {} rs485 = \"kernel\": {}", line.device, action,
+                     std::generic_category().message(error));
 }
 
 std::uint32_t milliseconds_of(bus::Duration delay) {
@@ -98,21 +99,21 @@ std::optional<std::string> use_kernel(int fd, const bus::LineSettings& line, IoC
     return refusal(line, "read back", errno);
   }
   if (!same_direction(wanted, real)) {
-    return line.device + ": asked for RS-485 " + direction_text(wanted) + "; the driver took " +
-           direction_text(real);
+    return fmt::format("{}: asked for RS-485 {}; the driver took {}", line.device,
+                       direction_text(wanted), direction_text(real));
   }
   return std::nullopt;
 }
 
 std::optional<std::string> use_rts(int fd, const bus::LineSettings& line, IoControl control) {
   if (!set_rts(fd, false, control)) {
-    return line.device +
-           ": rs485 = \"rts\" needs an RTS line: " + std::generic_category().message(errno);
+    return fmt::format("{}: rs485 = \"rts\" needs an RTS line: {}", line.device,
+                       std::generic_category().message(errno));
   }
   if (!is_transmitter_empty(fd, control)) {
-    return line.device +
-           ": rs485 = \"rts\" needs a driver that says when its transmitter is empty: " +
-           std::generic_category().message(errno);
+    return fmt::format(
+        "{}: rs485 = \"rts\" needs a driver that says when its transmitter is empty: {}",
+        line.device, std::generic_category().message(errno));
   }
   return std::nullopt;
 }

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/tls/fingerprint.hpp"
 
-#include <openssl/crypto.h>
 #include <openssl/evp.h>
 
 #include <algorithm>
 #include <array>
 #include <ctime>
+#include <fmt/chrono.h>
 #include <memory>
 
 #include "base/assert.hpp"
+#include "base/text.hpp"
 #include "sys/openssl.hpp"
 
 namespace mbgate::io {
@@ -21,10 +22,7 @@ constexpr std::size_t kShown = 8;
 using Digest = std::array<unsigned char, EVP_MAX_MD_SIZE>;
 
 std::string hex_pairs(const Digest& digest, std::size_t size) {
-  std::array<char, 3 * kShown> text{};  // each with a colon, or the end, behind it
-  OPENSSL_buf2hexstr_ex(text.data(), text.size(), nullptr, digest.data(),
-                        static_cast<long>(std::min(size, kShown)), ':');
-  return text.data();
+  return fmt::format("{:02X}", fmt::join(std::span(digest).first(std::min(size, kShown)), ":"));
 }
 
 std::string made_at(const X509_CRL& list) {
@@ -32,9 +30,7 @@ std::string made_at(const X509_CRL& list) {
   if (ASN1_TIME_to_tm(X509_CRL_get0_lastUpdate(&list), &parts) != 1) {
     return "";
   }
-  std::array<char, 32> text{};
-  const auto size = std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S UTC, ", &parts);
-  return {text.data(), size};
+  return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC, ", parts);
 }
 
 std::string list_text(X509_CRL& list) {
@@ -43,7 +39,7 @@ std::string list_text(X509_CRL& list) {
   X509_CRL_digest(&list, EVP_sha256(), digest.data(), &size);
   const STACK_OF(X509_REVOKED)* const revoked = X509_CRL_get_REVOKED(&list);
   const int count = revoked == nullptr ? 0 : sk_X509_REVOKED_num(revoked);
-  return made_at(list) + std::to_string(count) + " revoked, " + hex_pairs(digest, size);
+  return fmt::format("{}{} revoked, {}", made_at(list), count, hex_pairs(digest, size));
 }
 
 }  // namespace
@@ -56,18 +52,13 @@ std::string fingerprint(const X509& certificate) {
 }
 
 std::string fingerprints(const std::vector<sys::CertificateHandle>& certificates) {
-  std::string text;
-  for (const sys::CertificateHandle& certificate : certificates) {
-    text += (text.empty() ? "" : " and ") + fingerprint(*certificate);
-  }
-  return text;
+  return joined(
+      certificates, [](const auto& it) { return fingerprint(*it); }, " and ");
 }
 
 std::string lists_text(const std::vector<sys::CrlHandle>& lists) {
-  std::string text;
-  for (const sys::CrlHandle& list : lists) {
-    text += (text.empty() ? "" : " and ") + list_text(*list);
-  }
+  const auto text = joined(
+      lists, [](const auto& it) { return list_text(*it); }, " and ");
   return text.empty() ? "none" : text;
 }
 
@@ -86,13 +77,7 @@ std::string sha256(std::span<const std::string_view> texts) {
   std::array<unsigned char, kSize> digest{};
   good = good && EVP_DigestFinal_ex(context.get(), digest.data(), nullptr) == 1;
   MBGATE_ASSERT(good, "OpenSSL has SHA-256");
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string hex;
-  for (const unsigned char byte : digest) {
-    hex += kDigits[byte >> 4U];
-    hex += kDigits[byte & 0xFU];
-  }
-  return hex;
+  return fmt::format("{:02x}", fmt::join(digest, ""));
 }
 
 std::string sha256(std::string_view text) { return sha256(std::span(&text, 1)); }

@@ -2,8 +2,7 @@
 #include "io/tls/load_tls.hpp"
 
 #include <algorithm>
-#include <array>
-#include <ctime>
+#include <fmt/chrono.h>
 #include <iterator>
 #include <utility>
 
@@ -16,27 +15,23 @@ using std::chrono::system_clock;
 constexpr std::chrono::hours kAhead{30 * 24};
 
 std::string date_text(system_clock::time_point time) {
-  const std::time_t count = system_clock::to_time_t(time);
-  std::tm parts{};
-  ::gmtime_r(&count, &parts);
-  std::array<char, 32> text{};
-  const std::size_t size = std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M UTC", &parts);
-  return {text.data(), size};
+  return fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(time));
 }
 
 void add_warnings(std::vector<std::string>& warnings, const std::string& name,
                   const TlsDates& dates, system_clock::time_point now) {
-  const std::string start = "[[tls]] " + name + ": the certificate ";
+  const std::string start = fmt::format("[[tls]] {}: the certificate ", name);
   if (dates.certificate_ends <= now) {
-    warnings.push_back(start + "has expired at " + date_text(dates.certificate_ends) +
-                       ": the other end refuses it");
+    warnings.push_back(fmt::format("{}has expired at {}: the other end refuses it", start,
+                                   date_text(dates.certificate_ends)));
   } else if (dates.certificate_ends <= now + kAhead) {
-    warnings.push_back(start + "expires at " + date_text(dates.certificate_ends));
+    warnings.push_back(fmt::format("{}expires at {}", start, date_text(dates.certificate_ends)));
   }
   if (dates.crl_ends && *dates.crl_ends <= now) {
-    warnings.push_back("[[tls]] " + name + ": the list of revoked certificates has expired at " +
-                       date_text(*dates.crl_ends) +
-                       ": it still counts, but what was revoked since is not known");
+    warnings.push_back(
+        fmt::format("[[tls]] {}: the list of revoked certificates has expired at {}: it still "
+                    "counts, but what was revoked since is not known",
+                    name, date_text(*dates.crl_ends)));
   }
 }
 
@@ -58,7 +53,7 @@ void load_for_a_line(LoadedTls& loaded, const gateway::TlsSettings& tls) {
   if (context) {
     loaded.contexts.emplace(tls.name, *std::move(context));
   } else {
-    loaded.warnings.push_back("[[tls]] " + tls.name + ": " + context.error().why);
+    loaded.warnings.push_back(fmt::format("[[tls]] {}: {}", tls.name, context.error().why));
   }
 }
 
@@ -79,7 +74,7 @@ LoadedTls load_tls(const gateway::Settings& settings, KeyCheck keys) {
     if (context) {
       loaded.contexts.emplace(tls.name, *std::move(context));
     } else {
-      loaded.failures.push_back("[[tls]] " + tls.name + ": " + context.error().why);
+      loaded.failures.push_back(fmt::format("[[tls]] {}: {}", tls.name, context.error().why));
       loaded.is_wrong = loaded.is_wrong || !context.error().may_come;
     }
   }

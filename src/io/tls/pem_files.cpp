@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <fmt/core.h>
 #include <fstream>
 #include <system_error>
 #include <utility>
@@ -27,7 +28,8 @@ Pem read_pem(const std::string& path) {
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(file.gcount()));
   if (!file.is_open() || file.bad() || (text.empty() && errno != 0)) {
-    return {{}, path + ": " + std::generic_category().message(errno != 0 ? errno : EIO)};
+    return {{},
+            fmt::format("{}: {}", path, std::generic_category().message(errno != 0 ? errno : EIO))};
   }
   return text.size() > kLargestPem ? Pem{{}, path + ": it is too large"} : Pem{std::move(text)};
 }
@@ -48,7 +50,7 @@ Result<std::vector<Handle>, std::string> read_all(const std::string& path, const
   const unsigned long error = ERR_peek_last_error();
   ERR_clear_error();
   if (found.empty() || ERR_GET_REASON(error) != PEM_R_NO_START_LINE) {
-    return path + ": expected " + what + " in PEM (-----BEGIN ...)";
+    return fmt::format("{}: expected {} in PEM (-----BEGIN ...)", path, what);
   }
   return found;
 }
@@ -96,7 +98,7 @@ std::optional<std::string> use_certificate(SSL_CTX& context, const std::string& 
     return chain.error();
   }
   if (SSL_CTX_use_certificate(&context, chain->front().get()) != 1) {
-    return path + ": " + sys::take_openssl_error();
+    return fmt::format("{}: {}", path, sys::take_openssl_error());
   }
   for (std::size_t at = 1; at < chain->size(); ++at) {
     SSL_CTX_add1_chain_cert(&context, (*chain)[at].get());
@@ -114,7 +116,7 @@ Result<Trusted, std::string> use_authorities(SSL_CTX& context, const std::string
   X509_STORE* const store = SSL_CTX_get_cert_store(&context);
   for (const sys::CertificateHandle& authority : trusted.authorities) {
     if (X509_STORE_add_cert(store, authority.get()) != 1) {
-      return authorities + ": " + sys::take_openssl_error();
+      return fmt::format("{}: {}", authorities, sys::take_openssl_error());
     }
   }
   if (crl.empty()) {
@@ -126,12 +128,13 @@ Result<Trusted, std::string> use_authorities(SSL_CTX& context, const std::string
   }
   trusted.lists = *std::move(lists);
   if (const X509_NAME* const missing = without_list(trusted)) {
-    return crl + ": expected a list of revoked certificates of each authority in " + authorities +
-           ", found none of " + subject_text(*missing);
+    return fmt::format(
+        "{}: expected a list of revoked certificates of each authority in {}, found none of {}",
+        crl, authorities, subject_text(*missing));
   }
   for (const sys::CrlHandle& list : trusted.lists) {
     if (X509_STORE_add_crl(store, list.get()) != 1) {
-      return crl + ": " + sys::take_openssl_error();
+      return fmt::format("{}: {}", crl, sys::take_openssl_error());
     }
   }
   X509_STORE_set_flags(store, X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL);

@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <fmt/core.h>
 #include <map>
 #include <system_error>
 #include <utility>
@@ -96,7 +97,7 @@ std::optional<Octets> part_of(const Octets& answer, Answer kind) {
 }  // namespace
 
 SignerClient::Failure SignerClient::absent(const std::string& why) const {
-  return {"mbgate-signer (" + path_ + "): " + why, true};
+  return {fmt::format("mbgate-signer ({}): {}", path_, why), true};
 }
 
 Result<std::shared_ptr<SignerClient>, SignerClient::Failure> SignerClient::open(std::string socket,
@@ -123,8 +124,9 @@ Result<Octets, SignerClient::Failure> SignerClient::connect(bus::Instant limit) 
     return *std::move(key);
   }
   const auto why = part_of(*answer, Answer::refused);
-  return Failure{"mbgate-signer: " + (why ? std::string(why->begin(), why->end())
-                                          : std::string("its answer is not understood"))};
+  return Failure{
+      fmt::format("mbgate-signer: {}", why ? std::string(why->begin(), why->end())
+                                           : std::string("its answer is not understood"))};
 }
 
 std::optional<Octets> SignerClient::ask(Question question, std::span<const std::uint8_t> bytes,
@@ -176,7 +178,7 @@ std::optional<std::string> SignerClient::open_again(bus::Instant limit) {
   }
   if (*opened != public_key_) {
     socket_.reset();
-    return "mbgate-signer: " + key_ + " is another key now";
+    return fmt::format("mbgate-signer: {} is another key now", key_);
   }
   return std::nullopt;
 }

@@ -115,16 +115,11 @@ TlsClient::Step TlsClient::read_up() {
 /// Has the machine all of it? What it does not want any more counts too.
 bool TlsClient::hand_up() {
   while (!up_.empty()) {
-    const ssize_t count =
-        ::send(pair_.native_handle(), up_.data(), up_.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-    if (count < 0 && (errno == EAGAIN || errno == EINTR)) {
+    const auto count = sys::send_now(pair_.native_handle(), up_);
+    if (count == std::size_t{0}) {
       return false;
     }
-    if (count < 0) {
-      up_.clear();
-    } else {
-      up_.erase(up_.begin(), up_.begin() + count);
-    }
+    up_.erase(up_.begin(), up_.begin() + static_cast<std::ptrdiff_t>(count.value_or(up_.size())));
   }
   up_.shrink_to_fit();
   return true;

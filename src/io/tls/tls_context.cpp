@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <fmt/core.h>
 #include <iterator>
 #include <utility>
 #include <vector>
@@ -108,7 +109,7 @@ std::optional<std::string> TlsContext::take_trust(const gateway::TlsSettings& se
   }
   for (const auto& authority : trusted->authorities) {
     if (SSL_CTX_add_client_CA(context_.get(), authority.get()) != 1) {
-      return settings.authorities + ": " + sys::take_openssl_error();
+      return fmt::format("{}: {}", settings.authorities, sys::take_openssl_error());
     }
   }
   contents_.authorities = fingerprints(trusted->authorities);
@@ -132,8 +133,8 @@ std::optional<TlsFailure> TlsContext::take_key(const std::string& signer, const 
     return TlsFailure{key + ": expected a key of RSA or EC"};
   }
   if (SSL_CTX_use_PrivateKey(context_.get(), remote.get()) != 1) {
-    return TlsFailure{key + ": it is not the key of the certificate (" + sys::take_openssl_error() +
-                      ")"};
+    return TlsFailure{fmt::format("{}: it is not the key of the certificate ({})", key,
+                                  sys::take_openssl_error())};
   }
   return std::nullopt;
 }

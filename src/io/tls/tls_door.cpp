@@ -2,6 +2,7 @@
 #include "io/tls/tls_door.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 #include <numeric>
 #include <utility>
 
@@ -74,7 +75,7 @@ bool TlsDoor::make_room(OfListener& listener, const routing::ClientAddress* clie
     return false;
   }
   front_->let_go(oldest->first,
-                 std::string("no ClientHello had come when another client did (") + limit + ")");
+                 fmt::format("no ClientHello had come when another client did ({})", limit));
   note_ended(listener, oldest->first);
   return true;
 }

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <chrono>
+#include <fmt/core.h>
 #include <mutex>
 #include <optional>
 #include <system_error>
@@ -40,8 +41,8 @@ Wrong use_key(SSL_CTX& context, const bus::TlsPeer& peer) {
   }
   const sys::KeyHandle key = remote_key(*std::move(signer));
   if (!key || SSL_CTX_use_PrivateKey(&context, key.get()) != 1) {
-    return peer.key + ": it is not the key of " + peer.certificate + " (" +
-           sys::take_openssl_error() + ")";
+    return fmt::format("{}: it is not the key of {} ({})", peer.key, peer.certificate,
+                       sys::take_openssl_error());
   }
   return std::nullopt;
 }
@@ -73,7 +74,8 @@ Result<sys::SslHandle, std::string> make_peer(const bus::TlsPeer& peer) {
     return sys::take_openssl_error();
   }
   if (!sys::expect_name(*ssl, peer.server_name)) {
-    return "server_name: no certificate can be for such a name (" + sys::take_openssl_error() + ")";
+    return fmt::format("server_name: no certificate can be for such a name ({})",
+                       sys::take_openssl_error());
   }
   return ssl;
 }
@@ -85,9 +87,9 @@ std::string objection_to_peer(const SSL& ssl, const std::string& server_name) {
     return {};
   }
   const std::string text =
-      std::string("certificate verify failed: ") + X509_verify_cert_error_string(result);
+      fmt::format("certificate verify failed: {}", X509_verify_cert_error_string(result));
   return result == X509_V_ERR_HOSTNAME_MISMATCH || result == X509_V_ERR_IP_ADDRESS_MISMATCH
-             ? text + ": it is not for " + server_name
+             ? fmt::format("{}: it is not for {}", text, server_name)
              : text;
 }
 
@@ -100,7 +102,7 @@ std::string why_over(const sys::TlsStream& stream, sys::TlsStream::Step step) {
     return {};
   }
   if (step == sys::TlsStream::Step::flooded) {
-    return std::string("TLS: the server sends ") + sys::TlsStream::kFlood;
+    return fmt::format("TLS: the server sends {}", sys::TlsStream::kFlood);
   }
   return stream.system_error() != 0 ? std::generic_category().message(stream.system_error())
                                     : "TLS: " + sys::take_openssl_error();

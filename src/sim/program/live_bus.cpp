@@ -2,6 +2,7 @@
 #include "sim/program/live_bus.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 
 namespace mbgate::sim {
 namespace {
@@ -32,7 +33,7 @@ std::optional<std::string> LiveBus::connect() {
   const WireSettings& wire = wire_.settings();
   auto opened = Pty::open(link_, {wire.baud, wire.format.stop_bits});
   if (!opened) {
-    return "bus " + name_ + ": " + opened.error();
+    return fmt::format("bus {}: {}", name_, opened.error());
   }
   pty_.emplace(*std::move(opened));
   return std::nullopt;
@@ -41,7 +42,7 @@ std::optional<std::string> LiveBus::connect() {
 std::optional<std::string> LiveBus::listen() {
   auto opened = TcpPort::open(*address_, kSerialServerConnections);
   if (!opened) {
-    return "bus " + name_ + ": " + opened.error();
+    return fmt::format("bus {}: {}", name_, opened.error());
   }
   port_.emplace(*std::move(opened));
   address_ = port_->address();
@@ -121,17 +122,17 @@ std::optional<Instant> LiveBus::next_event() const {
 
 std::string LiveBus::introduction() const {
   if (address_) {
-    return "bus " + name_ + ' ' + address_->text();
+    return fmt::format("bus {} {}", name_, address_->text());
   }
-  return "bus " + name_ + ' ' + link_.string() + " (" + (pty_ ? pty_->path() : "closed") + ')';
+  return fmt::format("bus {} {} ({})", name_, link_.string(), pty_ ? pty_->path() : "closed");
 }
 
 std::string LiveBus::counters_text() const {
   const WireCounters& counters = wire_.counters();
-  return "bus " + name_ + ": frames " + std::to_string(counters.frames) + ", answers " +
-         std::to_string(counters.answers) + ", silence violations " +
-         std::to_string(counters.silence_violations) + ", collisions " +
-         std::to_string(counters.collisions) + ", bad CRC " + std::to_string(counters.bad_crc);
+  return fmt::format(
+      "bus {}: frames {}, answers {}, silence violations {}, collisions {}, bad CRC {}", name_,
+      counters.frames, counters.answers, counters.silence_violations, counters.collisions,
+      counters.bad_crc);
 }
 
 namespace {
@@ -149,7 +150,7 @@ LiveTcpBus::LiveTcpBus(const BusSettings& settings)
 std::optional<std::string> LiveTcpBus::connect() {
   auto opened = TcpPort::open(address_, kMostConnections);
   if (!opened) {
-    return "bus " + name_ + ": " + opened.error();
+    return fmt::format("bus {}: {}", name_, opened.error());
   }
   port_.emplace(*std::move(opened));
   address_ = port_->address();
@@ -184,11 +185,13 @@ void LiveTcpBus::handle_time(Instant now) {
   }
 }
 
-std::string LiveTcpBus::introduction() const { return "bus " + name_ + ' ' + address_.text(); }
+std::string LiveTcpBus::introduction() const {
+  return fmt::format("bus {} {}", name_, address_.text());
+}
 
 std::string LiveTcpBus::counters_text() const {
-  return "bus " + name_ + ": requests " + std::to_string(bus_.counters().requests) + ", answers " +
-         std::to_string(bus_.counters().answers);
+  return fmt::format("bus {}: requests {}, answers {}", name_, bus_.counters().requests,
+                     bus_.counters().answers);
 }
 
 }  // namespace mbgate::sim

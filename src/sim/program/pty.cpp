@@ -6,6 +6,7 @@
 #include <array>
 #include <cerrno>
 #include <cstdlib>
+#include <fmt/core.h>
 #include <optional>
 #include <system_error>
 
@@ -28,10 +29,11 @@ std::optional<std::string> clear_place(const fs::path& link, const std::string& 
   const bool replaceable = fs::is_symlink(found) &&
                            (fs::read_symlink(link, error) == target || !fs::exists(link, error));
   if (!replaceable) {
-    return "link " + link.string() + " exists already and is in use or something else; remove it";
+    return fmt::format("link {} exists already and is in use or something else; remove it",
+                       link.string());
   }
   if (!fs::remove(link, error)) {
-    return "link " + link.string() + " cannot be replaced: " + error.message();
+    return fmt::format("link {} cannot be replaced: {}", link.string(), error.message());
   }
   return std::nullopt;
 }
@@ -43,7 +45,7 @@ std::optional<std::string> make_link(const fs::path& link, const std::string& ta
   std::error_code error;
   fs::create_symlink(target, link, error);
   if (error) {
-    return "link " + link.string() + " cannot be made: " + error.message();
+    return fmt::format("link {} cannot be made: {}", link.string(), error.message());
   }
   return std::nullopt;
 }
@@ -63,11 +65,11 @@ Result<Pty, std::string> Pty::open(const fs::path& link, PtySpeed speed) {
   if (controller.get() < 0 || ::grantpt(controller.get()) != 0 ||
       ::unlockpt(controller.get()) != 0 ||
       ::ptsname_r(controller.get(), path.data(), path.size()) != 0) {
-    return "no pty for " + link.string() + ": " + reason();
+    return fmt::format("no pty for {}: {}", link.string(), reason());
   }
   sys::UniqueFd port(::open(path.data(), O_RDWR | O_NOCTTY | O_CLOEXEC));
   if (port.get() < 0 || !make_raw(port.get(), speed)) {
-    return std::string(path.data()) + ": " + reason();
+    return fmt::format("{}: {}", path.data(), reason());
   }
   if (auto refusal = make_link(link, path.data())) {
     return *std::move(refusal);

@@ -45,7 +45,7 @@ void check_unique(TomlTable& table, const std::vector<Named>& earlier, const std
   const bool taken = std::ranges::any_of(
       earlier, [&name](const Named& other) { return !name.empty() && other.name == name; });
   if (taken) {
-    table.error("name", '"' + name + "\" is taken already");
+    table.error("name", "\"{}\" is taken already", name);
   }
 }
 
@@ -151,7 +151,7 @@ void read_link(TomlTable& table, const std::vector<BusSettings>& buses, BusSetti
   const bool taken = std::ranges::any_of(
       buses, [&bus](const BusSettings& other) { return other.link == bus.link; });
   if (taken && !bus.link.empty()) {
-    table.error("link", '"' + bus.link.string() + "\" is taken already");
+    table.error("link", "\"{}\" is taken already", bus.link.string());
   }
 }
 
@@ -169,7 +169,7 @@ void read_listen(TomlTable& table, const std::vector<BusSettings>& buses, BusSet
   const bool taken = std::ranges::any_of(
       buses, [&bus](const BusSettings& other) { return other.listen == bus.listen; });
   if (taken && bus.listen->port != 0) {
-    table.error("listen", '"' + bus.listen->text() + "\" is taken already");
+    table.error("listen", "\"{}\" is taken already", bus.listen->text());
   }
 }
 
@@ -232,8 +232,7 @@ void place_device(TomlTable& table, const DeviceSettings& device, BusSettings& b
     return other.address == device.address;
   });
   if (taken && (table.has("address") || bus.mode == BusMode::tcp)) {
-    table.error("address",
-                std::to_string(device.address) + " is taken already on bus \"" + bus.name + '"');
+    table.error("address", "{} is taken already on bus \"{}\"", device.address, bus.name);
   }
   bus.devices.push_back(device);
 }

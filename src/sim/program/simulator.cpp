@@ -119,9 +119,7 @@ void Simulator::arm_timer() {
   armed_for_ = next;
   itimerspec when{};
   if (next) {
-    const auto nanoseconds = std::max(next->time_since_epoch(), Duration{1}).count();
-    when.it_value.tv_sec = nanoseconds / 1'000'000'000;
-    when.it_value.tv_nsec = static_cast<decltype(timespec::tv_nsec)>(nanoseconds % 1'000'000'000);
+    when.it_value = sys::timespec_of(std::max(next->time_since_epoch(), Duration{1}));
   }
   ::timerfd_settime(timer_.get(), TFD_TIMER_ABSTIME, &when, nullptr);
 }

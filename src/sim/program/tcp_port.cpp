@@ -8,9 +8,10 @@
 
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <system_error>
 #include <utility>
+
+#include "base/host_and_port.hpp"
 
 namespace mbgate::sim {
 namespace {
@@ -136,18 +137,10 @@ void TcpPort::send(modbus::Bytes bytes) {
 }
 
 std::optional<ListenAddress> ListenAddress::parse(std::string_view text) {
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string_view::npos) {
-    return std::nullopt;
-  }
-  ListenAddress address{std::string(text.substr(0, colon))};
-  const std::string_view port = text.substr(colon + 1);
-  const char* const end = port.data() + port.size();
-  const auto number = std::from_chars(port.data(), end, address.port);
+  const auto place = host_and_port(text);
   in_addr unused{};
-  const bool valid = number.ec == std::errc{} && number.ptr == end &&
-                     ::inet_pton(AF_INET, address.host.c_str(), &unused) == 1;
-  return valid ? std::optional(address) : std::nullopt;
+  const bool is_valid = place && ::inet_pton(AF_INET, place->host.c_str(), &unused) == 1;
+  return is_valid ? std::optional(ListenAddress{place->host, place->port}) : std::nullopt;
 }
 
 }  // namespace mbgate::sim
