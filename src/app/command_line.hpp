@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arguments of mbgated.
+// The command line of mbgated.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a recording goes (mbgated --record), and what it begins with.
+// The file of a recording (mbgated --record), and its head.
 #pragma once
 
 #include <filesystem>

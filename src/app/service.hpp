@@ -4,14 +4,15 @@
 //
 // To change
 // - listeners whose address does not exist yet: listeners.
-// - listening sockets that outlive the process: stored_sockets; which of them fits: is_bound_for()
-//   in io/clients/listening_socket.
-// - what systemd hears: ready, status, watchdog, sockets to keep: systemd (how), service (when).
+// - listening sockets that outlive the process: stored_sockets; whether one fits a listener:
+//   is_bound_for() in io/clients/listening_socket.
+// - reports to systemd (ready, status, watchdog, sockets to keep): systemd (how), service (when).
 // - signals that come while the process starts: mbgated.
-// - what mbgated --serial serves: command_line: options to the text of a configuration.
-// - what helps where the system refuses something: io/advice, said where it fails:
-//   io/clients/listening_socket, io/lines/tcp_line, control/control_doors, recording; ports:
-//   io/lines/tty; a denied listener ends the start: listeners; what a configuration needs, said
+// - the settings of mbgated --serial: command_line turns its options into the text of a
+//   configuration.
+// - advice for missing permissions: io/advice, printed by io/clients/listening_socket,
+//   io/lines/tcp_line, control/control_doors, recording; for ports by io/lines/tty; the end of the
+//   start at a denied listener: listeners; the permissions that a configuration needs, found
 //   without trying: config/check_summary.
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What always holds (src/README.md), checked in every build. A machine that finds itself in a state
-// which its rules exclude knows no longer whose answer it holds: it ends, and systemd starts a new
-// one, which owes nobody anything.
+// What always holds (src/README.md), checked in every build. A machine in a state that its rules
+// exclude no longer knows which client an answer belongs to. So it ends, and systemd starts a new
+// one, which has no open requests.
 #pragma once
 
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What mbgated and mbgate-signer say to each other, over a Unix socket of whole messages
+// The protocol between mbgated and mbgate-signer, over a Unix socket of whole messages
 // (SOCK_SEQPACKET). Each question is one message and gets one answer. The first byte says what it
 // is, the rest belongs to it. A connection has one key: it must be opened before anything is
 // signed, and opening it again reads the file again.

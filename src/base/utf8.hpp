@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Characters of UTF-8 (RFC 3629): none in more bytes than it needs, no surrogates, none beyond
-// U+10FFFF.
+// Reads UTF-8 (RFC 3629), which has no overlong characters, no surrogates, none beyond U+10FFFF.
 #pragma once
 
 #include <array>

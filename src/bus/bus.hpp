@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bus: a scheduler over a line discipline. It takes jobs, decides which goes next, repeats reads
-// and stops, keeps deadlines, leaves devices alone that owe an answer or are offline, answers what
-// can be answered together or from memory, and reopens a lost line. Pure: after every call the
-// owner empties poll() and asks timers().
+// A bus: a scheduler over a line discipline. It takes jobs, decides which is sent next, repeats
+// reads and stops, keeps deadlines, sends nothing to devices that owe an answer or are offline,
+// shares reads, answers from the cache, and reopens a lost line. Pure: after every call the owner
+// empties poll() and asks timers().
 #pragma once
 
 #include <span>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bus asks of its owner, and what it reports to it.
+// The actions that a bus asks of its owner, and its reports.
 #pragma once
 
 #include <cstdint>

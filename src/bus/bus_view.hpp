@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is to be seen of a bus beyond the parts that tell of themselves: what waits for it and for
-// how long, what is on the wire, the state of the line. It only looks, and must not outlive the
-// bus.
+// A read-only view of a bus as a whole: the waiting requests and how long they have waited, the
+// transmissions on the wire, the state of the line. It must not outlive the bus.
 #pragma once
 
 #include "bus/parts.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a connection to a Modbus TCP server is used: whether something was asked on it and answered,
-// whether its server closes it after each answer, and whether it has become of no use because the
-// server says nothing any more.
+// The use of a connection to a Modbus TCP server: whether a request was sent on it and answered,
+// whether its server closes it after each answer, and whether it must be replaced because the
+// server no longer sends anything.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bus counts: plain totals. A display that wants rates takes differences.
+// The counters of a bus: plain totals. A display of rates takes differences.
 #pragma once
 
 #include <algorithm>

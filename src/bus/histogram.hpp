@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many durations were not longer than each of some bounds, since the counters began: plain
-// totals for those who collect metrics and take differences.
+// A histogram of durations: for each bound, the number of durations up to it since the counters
+// were cleared. Collectors of metrics take differences.
 #pragma once
 
 #include <algorithm>

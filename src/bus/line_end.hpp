@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a line discipline tells the bus above it: how transmissions ended, and what is wrong with
-// the line itself.
+// The reports of a line discipline to the bus above it: how transmissions ended, and faults of the
+// line itself.
 #pragma once
 
 #include <boost/container/static_vector.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bus consists of. Each part owns its data, and none knows the others. What decides
-// (Scheduler, readiness) only looks at the parts. Classes that act (Admission, Dispatch, Outcomes,
-// JobEnds) change them.
+// The parts of a bus. Each part owns its data, and none knows the others. The deciding classes
+// (Scheduler, readiness) only read them. Classes that act (Admission, Dispatch, Outcomes, JobEnds)
+// change them.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bus waits for, each by its name.
+// The times that a bus waits for, each with a name.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What --check prints for a configuration without errors.
+// The summary that --check prints for a configuration without errors.
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is wrong in the files of a configuration, and where. It is shown as compilers do: with the
-// line itself and a caret below the place.
+// An error or warning about the files of a configuration, with its place. It is printed as
+// compilers do: with the line itself and a caret below the place.
 #pragma once
 
 #include <compare>

@@ -4,14 +4,14 @@
 // errors; otherwise all errors are.
 //
 // To change
-// - what mbgatectl check and mbgated --check say: load, check_summary; who prints it:
+// - the output of mbgatectl check and mbgated --check: load, check_summary; printed by
 //   ctl/request/carry_out, app/mbgated.
-// - which files the configuration has: text_file; how they become one: toml/toml_document; its
+// - which files the configuration has: text_file; how they become one: toml/toml_document; their
 //   digest: app/configuration/digest; in a recording: ConfigFile in gateway/recording/record.
 // - which listeners are refused because they would let everyone in: an address:
 //   sections/listener_section; a socket from systemd: io/clients/listening_socket.
 // - deadlines: the defaults, and which are too short: gateway/limits, checks/whole_checks.
-// - two buses that lead to one line: sections/bus_section; where that only shows at opening:
+// - two buses that lead to one line: sections/bus_section; if this shows only at opening:
 //   io/lines/open_ends.
 // - suggestions for keys that other programs name differently: toml/suggestion.
 #pragma once

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What somebody else says, as it may be printed: a terminal obeys control characters, and a server
-// could change its title with them, hide lines, or type into the shell.
+// Makes text from elsewhere safe to print: a terminal obeys control characters, and a server could
+// use them to change its title, hide lines, or type into the shell.
 #pragma once
 
 #include <cstddef>

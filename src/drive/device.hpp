@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A device: one server on a bus, what kind of drive it is, and what its user states for it.
+// A device: one server on a bus, with its profile and the settings that its user gives it.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the gateway knows of a kind of drive: pure rules, with protocol addresses. Names, and the
+// The gateway's knowledge of a kind of drive: pure rules, with protocol addresses. Names, and the
 // lines of the manual that the rules come from, are in the profile's file (conf/profiles);
 // config::ProfileFile keeps them.
 #pragma once

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the machine asks the driver to do. Actions are plain values with a text form for traces.
+// The actions that the machine asks of the driver: plain values with a text form for traces.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who asks the gateway for something, and for what: as much as the journal needs for somebody to be
+// The client and the contents of a request, with all that the journal needs so that somebody can be
 // found afterwards.
 #pragma once
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes with a client's requests wherever they are: where the client is connected, its turns on
-// a bus, and the place of each answer.
+// Data that accompany a client's requests everywhere: the client's connection, its turns on a bus,
+// and the place of each answer.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an operator may want to know. Events are plain values; only app/log writes them to the
-// journal.
+// The events that an operator may want to know about. They are plain values; only app/log writes
+// them to the journal.
 #pragma once
 
 #include <bitset>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The line side: what lines bring goes to their buses, and what buses decide becomes actions.
+// The line side: passes input of lines to their buses, and makes actions of the buses' decisions.
 #pragma once
 
 #include <optional>

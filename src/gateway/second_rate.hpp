@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How often something happens: so many times within a second; after a pause as many at once.
+// Limits how often something may happen within a second; after a pause, all of it at once.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What helps where the system refuses something to this process. Each text begins with "; ", to
-// follow what the system said, or is empty where the cause is not certain.
+// Advice for errors in which the system refuses something to this process. Each text begins with ";
+// ", to follow the error text of the system, or is empty if the cause is not certain.
 #pragma once
 
 #include <cstdint>

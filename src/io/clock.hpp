@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The clock on the machine's time line. Every input of the machine is stamped with this clock and
-// no other. It goes on while the computer is suspended: what a client asked before that is as old
-// as it is for the client.
+// no other. It goes on while the computer is suspended, so that a request from before the
+// suspension has the same age as for its client.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

@@ -5,7 +5,7 @@
 //
 // To change
 // - when the driver wakes for a deadline (wake_early): gateway_driver.
-// - how it is noticed that the process did not run, and what is old then: heartbeat,
+// - how the driver notices that the process did not run, and which input is old then: heartbeat,
 //   GatewayDriver::notice_stall(); in the machine: Stalled, ClientSession::stall().
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The access rules: who may do what, in the order in which they stand. The first rule that matches
-// decides; what none matches is denied, unless there are no rules at all. Pure data, and one
-// function that decides; what a request asks is put together in gateway/access.
+// The access rules, in their order in the configuration. The first rule that matches a request
+// decides; a request that no rule matches is denied, unless there are no rules at all. Pure data,
+// and one function that decides; gateway/access collects the facts about a request.
 #pragma once
 
 #include <bitset>

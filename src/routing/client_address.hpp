@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who a client is to the gateway: its network address. IPv4 is kept in its IPv6-mapped form, so
-// that one type serves both and an IPv4 client of an IPv6 socket is the same client.
+// The identity of a client: its network address. IPv4 is kept in its IPv6-mapped form, so that one
+// type serves both and an IPv4 client of an IPv6 socket is the same client.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who a client is by its certificate: the role in the X.509v3 extension 1.3.6.1.4.1.50316.802.1
-// (MB-TCP-Security v36, 8.3), and the name that the certificate was made out to.
+// The identity of a client by its certificate: the role in the X.509v3 extension
+// 1.3.6.1.4.1.50316.802.1 (MB-TCP-Security v36, 8.3), and the subject's common name.
 #pragma once
 
 #include <cstdint>

@@ -4,10 +4,10 @@
 //
 // To change
 // - word order, splitting, widening, preferred functions: device_plan, drive/word_order.
-// - broadcasts, and whom they are not for: broadcast_plan, address 129: route_table.
-// - which writes are guarded: of communication registers, and by values:
-//   Device::is_reconfigured_by() in drive/device, may_write() in drive/profile; who refuses them:
-//   device_plan, broadcast_plan.
+// - broadcasts: their forms on each bus, and devices that they do not reach: broadcast_plan;
+//   addresses that stand for a broadcast (129): route_table.
+// - guarded writes (communication registers, guarded values): Device::is_reconfigured_by() in
+//   drive/device, may_write() in drive/profile; their refusal: device_plan, broadcast_plan.
 // - a Modbus TCP server that is one device under every unit: Device::has_every_unit, set in
 //   config/sections/device_section; the address in place of the unit: plan; the unit on the wire:
 //   bus/tcp/tcp_discipline.

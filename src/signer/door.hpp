@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where mbgated asks: one listening socket, a few connections, one question at a time. No thread.
-// Everything is bounded: who comes beyond the places is closed at once, and a connection that does
-// not take its answer is ended.
+// The socket to which mbgated connects: a few connections, one request at a time, no thread.
+// Everything is bounded: a connection too many is closed at once, and so is one that does not read
+// its answer.
 #pragma once
 
 #include <csignal>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A private key out of the folder of keys, and what it is good for: to hand out its public half,
-// and to sign digests.
+// A private key from the folder of keys. It can give its public half, and sign digests.
 #pragma once
 
 #include <openssl/evp.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What may be signed: digests of SHA-256, SHA-384 or SHA-512, padded as TLS pads them. A private
-// key of RSA that is used on other bytes decrypts with it, or signs what only looks like a digest.
+// Checks what may be signed: digests of SHA-256, SHA-384 or SHA-512, padded as TLS pads them. On
+// other bytes, a private RSA key would decrypt, or sign something that only looks like a digest.
 #pragma once
 
 #include <cstdint>

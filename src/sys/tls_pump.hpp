@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Carries bytes between a TLS stream and a plain socket, which is one end of a pair: whoever has
-// the other end need not know of TLS. It blocks, on a thread of its own, and holds a few kilobytes.
+// Carries bytes between a TLS stream and a plain socket, which is one end of a pair: the code at
+// the other end needs no TLS. It blocks, on a thread of its own, and holds a few kilobytes.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// TLS over a socket that does not block: one step of OpenSSL at a time, and what the next one waits
-// for. Whoever waits does it as it likes: with poll(2), or as a coroutine.
+// TLS over a socket that does not block: one step of OpenSSL at a time, and the event that the next
+// step waits for. The caller waits in its own way: with poll(2), or as a coroutine.
 #pragma once
 
 #include <array>

@@ -5,14 +5,14 @@
 // and lines of the journal are posted too, so that a reader never holds up a bus.
 //
 // To change
-// - what may be asked over the control socket: control, docs/api.yaml; what it does: ControlTarget,
-//   in app/service; who asks, and how often it may: asker.
-// - what may be asked over TCP, and by whom: tcp_rules, control_doors; how long a request may be:
-//   request_reader; who gives a place up: http_places; its addresses: app/http_listeners;
-//   config/sections/http_section.
-// - what readers of the journal's events get: which lines: Log::give() in app/log, the only place;
-//   from there to the thread of the control socket: Control::tell(); what is kept, how it goes out,
-//   how many may read: event_streams, docs/api.yaml; mbgatectl: ctl/control/event_reader.
+// - the requests that the control socket accepts: control, docs/api.yaml; their execution:
+//   ControlTarget, in app/service; the identity and the rate of the asker: asker.
+// - the requests and clients that are accepted over TCP: tcp_rules, control_doors; the length of a
+//   request: request_reader; the connection that makes room for another: http_places; addresses:
+//   app/http_listeners; config/sections/http_section.
+// - the stream of the journal's events: the choice of lines: Log::give() in app/log, the only
+//   place; the way to the thread of the control socket: Control::tell(); storage, sending and
+//   number of readers: event_streams, docs/api.yaml; mbgatectl: ctl/control/event_reader.
 #pragma once
 
 #include <sys/types.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an event of the machine is about. Each kind of event has a MESSAGE_ID of its own; one
-// without does not compile.
+// The topic of an event of the machine. Each kind of event has a MESSAGE_ID of its own; a kind
+// without one does not compile.
 #pragma once
 
 #include "app/journal/journal.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The way to systemd's journal.
+// Sends entries to systemd's journal.
 //
 // To change
-// - a line in the journal: gateway/text (what it says), event_topic (how important an event is, how
-//   often it is written), app/log (how it is written), journal (its fields, how systemd gets it).
+// - a line in the journal: its text: gateway/text; the priority and the rate of its event:
+//   event_topic; writing it: app/log; its fields, and sending it to systemd: journal.
 #pragma once
 
 #include <cstdint>

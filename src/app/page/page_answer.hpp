@@ -3,13 +3,13 @@
 // do. The page uses the interface of docs/api.yaml as any other client does.
 //
 // To change
-// - what the status page shows: app/page: index.html has its parts, page.css its colours; what is
-//   read when: feed.js, who gets it: main.js; findings, buses, devices, clients: overview.js,
-//   why.js, plot.js; the timeline: history.js (what is kept), wire.js (a frame in instants and
-//   characters), timeline_draw.js (the picture), timeline.js (moving, zooming, the table); the
-//   trace: trace.js, decode.js; how a browser gets it: page_answer, embed.cmake; what holds for all
-//   of it: tests/integration/page_test.py, page_rules.py, for a module alone: page_modules_test.py;
-//   its pictures: ./dev screenshots.
+// - the status page, in app/page: index.html has its parts, page.css its colours; its data: feed.js
+//   reads them, main.js passes them on; its tables: overview.js, why.js, plot.js.
+// - the timeline: history.js (what is kept), wire.js (a frame in instants and characters),
+//   timeline_draw.js (the picture), timeline.js (moving, zooming, the table).
+// - the trace: trace.js, decode.js; how a browser gets the page: page_answer, embed.cmake.
+// - tests: of the page tests/integration/page_test.py, page_rules.py; of single modules
+//   page_modules_test.py; its pictures: ./dev screenshots.
 #pragma once
 
 #include <boost/beast/http/message.hpp>

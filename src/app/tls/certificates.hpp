@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the journal says of certificates, lists of revoked ones, and clients without TLS.
+// The journal's lines about certificates, revocation lists, and clients that TLS refuses.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which records of a trace a reader asks for.
+// Selects the records of a trace that a reader asks for.
 #pragma once
 
 #include <cstdint>

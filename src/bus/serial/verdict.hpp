@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a framer makes of the bytes that it was given.
+// The verdict of a framer on the bytes that it was given.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The line discipline of a connection to a Modbus TCP server: several transactions at a time, told
-// apart by transaction identifiers of our own. A late answer is taken for no other (Messaging on
-// TCP/IP V1.0b, 4.4.1): it is dropped, but tells that its device is there.
+// apart by transaction identifiers of our own. A late answer cannot be mistaken for another one
+// (Messaging on TCP/IP V1.0b, 4.4.1): it is dropped, but shows that its device is there.
 //
 // A server that does not return the identifiers (`check_transaction = false`) gets one transaction
 // at a time. As on a serial line, an answer then belongs to the oldest request that it fits.

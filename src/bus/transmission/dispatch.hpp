@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Carries out what the Scheduler decides: has the bytes read that have already arrived
-// (LookAtLine), and transmits the frame. Ends jobs that are over, and has the line opened for those
-// that wait for it.
+// (LookAtLine), and transmits the frame. It also ends jobs that are over, and has the line opened
+// for jobs that wait for it.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The only place where jobs end. The owner of a job is told by a JobEnded.
+// Ends jobs; no other class does. The owner of a job gets a JobEnded.
 #pragma once
 
 #include <optional>

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What follows when a transmission has ended: what its answer, or the lack of one, says of the
-// device, and whether the transmission is repeated, goes on with the next transaction, or is over.
+// Handles the end of a transmission: draws conclusions about the device from the answer or its
+// absence, and decides whether the transmission is repeated, the job continues with its next
+// transaction, or the job is over.
 //
 // To change
-// - retries, what the end of a transmission means: outcomes; an adapter that hangs:
+// - retries, the meaning of the end of a transmission: outcomes; an adapter that hangs:
 //   bus/health/adapter_watch.
-// - reads that are sent once for several clients: bus/sharing/shared_read; who leads when one of
-//   them leaves: transmission, job_ends; the cache: bus/sharing/read_cache.
+// - reads that are sent once for several clients: bus/sharing/shared_read; which job leads when the
+//   leader leaves: transmission, job_ends; the cache: bus/sharing/read_cache.
 // - when a line is opened again: bus/link_state, bus/bus; requests cut off by a close: outcomes.
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is on the wire for one or several jobs, or is about to be sent again. Jobs that ask for the
-// same at the same time share a transmission. One of them leads: its transaction is transmitted.
-// The others follow and get the same answer.
+// A frame that is on the wire for one or several jobs, or is about to be sent again. Jobs with the
+// same request at the same time share a transmission. One of them leads: its transaction is
+// transmitted. The others follow and get the same answer.
 #pragma once
 
 #include <boost/container/small_vector.hpp>

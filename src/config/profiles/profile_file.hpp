@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A profile read from its file: what the gateway needs to know of a kind of drive, with protocol
-// addresses, and what people want to know: names, and the line of the manual.
+// A profile as read from its file: the facts that the gateway needs, with protocol addresses, and
+// the facts for people: names, and the line of the manual.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which written values an entry of a profile or a device matches; words and ranges of several
-// files.
+// The written values that an entry of a profile or a device matches; words and ranges that several
+// files use.
 #pragma once
 
 #include <array>

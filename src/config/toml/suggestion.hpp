@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The known word that a wrong one was probably meant to be, for "did you mean".
+// Finds the known word that a misspelt one was probably meant to be, for "did you mean".
 #pragma once
 
 #include <optional>

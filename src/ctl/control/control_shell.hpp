@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Asks a running mbgated: over its control socket, or over TCP where that is enough
-// (connection_shell has what a place is).
+// Sends requests to a running mbgated over its control socket, or over TCP for requests that TCP
+// permits (connection_shell explains the places).
 #pragma once
 
 #include <boost/json/object.hpp>

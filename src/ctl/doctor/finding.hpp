@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the doctor has found at one step, as a line for people or as JSON.
+// The doctor's finding at one step, as a line for people or as JSON.
 #pragma once
 
 #include <chrono>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What was heard on a line to which nothing had been sent, and what it looks like.
+// Classifies the bytes that were heard on an idle line.
 #pragma once
 
 #include <chrono>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the answers of all units together say of the line: whether it has an echo, and whether two
-// devices have one address.
+// Findings about the line from the answers of all units together: whether it has an echo, and
+// whether two devices have one address.
 #pragma once
 
 #include <optional>

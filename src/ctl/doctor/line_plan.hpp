@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which line is examined, what is known of it, and whom to ask.
+// The line to examine, its known settings, and the units to ask.
 //
 // To change what `mbgatectl doctor` finds, and what it says
 // - the order of its steps, and how they are printed: examination_shell.
 // - the port: port_findings; the idle line: idle_line.
-// - whom it asks, how long it waits, when it ends: questions_shell.
-// - what came after a request, and between two: trial.
+// - the units that it asks, its waits, its end: questions_shell.
+// - bytes after a request, and between two requests: trial.
 // - echo, other clients, answers, two devices at one address: line_findings, answer_findings.
 #pragma once
 

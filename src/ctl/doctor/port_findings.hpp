@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is to be said of a serial port as the system shows it. Facts go in: nothing is looked at
-// here.
+// Findings about a serial port from the facts that the system shows. The facts are passed in; this
+// code does not examine the port.
 #pragma once
 
 #include <optional>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Listens to a line, and asks its units one after the other. It ends where another client may be on
-// the line: whoever sends there damages its frames.
+// Listens to a line, and asks its units one after the other. It ends if another client may be on
+// the line, because its requests would damage that client's frames.
 #pragma once
 
 #include <optional>

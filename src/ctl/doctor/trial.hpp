@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What came after one read: how many answers, when, an echo, frames of others; and what came while
-// nothing was asked.
+// The result of one read: the number and times of answers, an echo, frames of others; and bytes
+// that came while no request was open.
 #pragma once
 
 #include <chrono>

@@ -2,12 +2,12 @@
 // The subcommands of mbgatectl: what each has on the command line, and which command it is then.
 //
 // To change
-// - a type of value, or a way to print it, of mbgatectl: ctl/request/value_text; as lines or JSON:
+// - a type of value, or its output, in mbgatectl: ctl/request/value_text; as lines or JSON:
 //   ctl/request/report.
-// - what mbgatectl --tls checks, and what it says when a handshake fails: ctl/tls/handshake; its
+// - the checks of mbgatectl --tls, and its messages when a handshake fails: ctl/tls/handshake; its
 //   options: subcommands.
-// - what mbgatectl trace prints: ctl/trace/trace_lines; from JSON: ctl/trace/trace_event; the
-//   capture: ctl/trace/trace_capture, which bytes Wireshark takes for frames:
+// - the output of mbgatectl trace: ctl/trace/trace_lines; from JSON: ctl/trace/trace_event; the
+//   capture: ctl/trace/trace_capture; which bytes Wireshark takes for frames:
 //   ctl/trace/bus_packets.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A recording (mbgated --record) played to this version's own machine: the same inputs at the same
+// Plays a recording (mbgated --record) to this version's own machine: the same inputs at the same
 // instants must give the same actions, byte for byte.
 #pragma once
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// When what repeats starts again, and SIGINT and SIGTERM as a wish that it ends. While an
-// Interruption lives, they are held back until it waits; so nothing that is being printed is cut
-// off.
+// Times the start of each repetition, and ends the repetitions at SIGINT or SIGTERM. While an
+// Interruption exists, these signals are held back until it waits, so that no output is cut off.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What came of a read or a write, as lines for people or as one JSON object.
+// The result of a read or a write, as lines for people or as one JSON object.
 #pragma once
 
 #include <cstdint>

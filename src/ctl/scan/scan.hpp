@@ -3,8 +3,9 @@
 // never writes.
 //
 // To change
-// - what a scan of a serial port tries, and when it ends: sweep (pure), port_scan (with the port);
-//   what was heard: ctl/serial/heard; who holds the port: ctl/serial/serial_port.
+// - the modes that a scan of a serial port tries, and its end: sweep (pure), port_scan (with the
+//   port); the bytes that were heard: ctl/serial/heard; other users of the port:
+//   ctl/serial/serial_port.
 // - how a scan tells drives apart: candidate (what a profile predicts), identifier (what to ask
 //   next).
 #pragma once

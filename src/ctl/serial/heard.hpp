@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What was heard on a serial line after one read was sent. No port and no clock: bytes go in.
+// The bytes that were heard on a serial line after one read. It has no port and no clock.
 #pragma once
 
 #include <chrono>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A record of a trace as lines for people, which grep finds things in: what failed has the word
-// FAILED.
+// A record of a trace as lines for people, suited to grep: failures have the word FAILED.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the access rules must remember of clients: how often a rule has let one through lately.
+// Remembers for rules with a rate how many requests of each client they have permitted lately.
 // Without rules it holds nothing.
 #pragma once
 

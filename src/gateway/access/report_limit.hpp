@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How often the journal is told of one kind of thing that a client does: so many times a minute for
-// each client, whatever the others do. What is left out is counted. Bounded.
+// Limits the journal's lines about each kind of act of a client to so many a minute for each
+// client, whatever other clients do. It counts the lines left out. Bounded.
 #pragma once
 
 #include <cstdint>

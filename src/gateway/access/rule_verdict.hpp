@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the access rules say of a client and of its requests. `mbgated --check --who` asks here too.
+// The verdict of the access rules on a client and on its requests. Used by `--check --who` too.
 //
 // To change
-// - access rules: what matches: routing/access_rules, registers routing/register_set; what a
-//   request touches, and who is let in: rule_verdict; rates: access_book; which denied requests the
-//   journal is told of, whatever denies them: report_limit; when they are asked:
-//   gateway/clients/intake; their text: config/sections/rule_section, rule_registers, warnings
-//   config/checks/rule_checks; --who: who, app/who/who_options, where the other keys stand:
-//   config/diagnostic.
+// - the match of a rule: routing/access_rules; its registers: routing/register_set; the registers
+//   and devices of a request, and which clients may connect: rule_verdict; rates: access_book.
+// - when a request is checked: gateway/clients/intake; lines about denied requests: report_limit.
+// - rules in the configuration: config/sections/rule_section, rule_registers; warnings:
+//   config/checks/rule_checks.
+// - --check --who: who, app/who/who_options; the places of the other keys: config/diagnostic.
 #pragma once
 
 #include "gateway/settings/settings_snapshot.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What would become of a request of this client, and what decides: `mbgated --check --who`. It asks
-// the parts that the gateway itself asks, in their order.
+// `mbgated --check --who`: whether a request of a client would be permitted, and what decides. It
+// asks the same parts as the gateway, in the same order.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the connections of one client address to one listener may do together: how many there are,
-// how many come within a second, how many requests they send within one. Without these a single
-// computer could take all places of a listener, and all of the processor.
+// Limits for all connections of one client address to one listener together: their number, the new
+// ones within a second, and their requests within a second. Without these a single computer could
+// take all places of a listener, and all of the processor.
 //
 // A connection too many is refused; a request too many gets 06 at once, unless it is a stop.
 #pragma once

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where clients come in and go: who is let in, who makes room, what a client address may do, and
-// what is cancelled when a client goes.
+// Admits and removes clients: which clients are admitted, which one makes room, the limits of a
+// client address, and which requests are cancelled when a client disconnects.
 #pragma once
 
 #include <optional>

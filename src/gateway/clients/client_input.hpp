@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes of a client that were not yet taken as requests: a part of one, or what came beyond the
-// requests that a connection may have.
+// Bytes of a client that have not become requests yet: an incomplete request, or requests beyond
+// the number that a connection may have.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One TCP connection: what came and is no request yet, the answers that are due, and when it may be
-// read further. It neither parses nor routes; the gateway does.
+// One TCP connection: the bytes that are not a request yet, the answers that are due, and whether
+// the socket may be read. It neither parses nor routes; the gateway does.
 #pragma once
 
 #include <boost/container/small_vector.hpp>

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The client side: what each connection brings, when it is read, and when it is closed.
+// The client side: handles the bytes of each connection, and decides when a connection is read and
+// when it is closed.
 //
 // To change
-// - back-pressure, half-closed clients: client_session.
+// - MBAP, from bytes to requests and back: intake, requests; back-pressure, half-closed clients:
+//   client_session.
 // - the order of answers, and how many are outstanding: due_answers.
-// - who is let in, who makes room, connection limits: client_admission; for a client address:
-//   address_limits.
+// - admission of clients, making room, connection limits: client_admission; limits of a client
+//   address: address_limits.
 // - idle and frame timeouts: clients, sessions, client_session.
-// - who did something, for the journal: who, and for what, as text: gateway/asked; how often for
-//   each client: gateway/access/report_limit; audit and cleared counters: requests; logins:
-//   client_admission; denials: gateway/access/report_limit.
+// - the journal's lines about clients: their text: gateway/asked; their number, and denials:
+//   gateway/access/report_limit; audit, cleared counters: requests; logins: client_admission.
 #pragma once
 
 #include "gateway/clients/client_admission.hpp"

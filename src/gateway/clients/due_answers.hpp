@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The answers that a client is still to get: how many there are, and which are held back because
-// others go before them.
+// The answers that a client is still to get: their number, and the ones that wait for earlier
+// answers (`ordered`).
 #pragma once
 
 #include <boost/container/small_vector.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a client's bytes to its requests, one at a time: parses them, finds their routes, and
-// refuses what no bus is to know of.
+// refuses requests that must not reach a bus.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the clients of one listener have done, since the counters began.
+// The counters of one listener, for all its clients together.
 #pragma once
 
 #include <array>

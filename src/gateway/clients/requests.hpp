@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What becomes of a request that was understood: the gateway answers it itself, or starts it on the
-// buses and answers it when all its jobs have ended.
+// Handles each parsed request: the gateway answers it itself, or starts it on the buses and answers
+// it when all its jobs have ended.
 #pragma once
 
 #include "gateway/access/report_limit.hpp"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The open requests and their jobs: from the plan to the buses and back. Nobody is called back:
+// The open requests and their jobs: from the plan to the buses and back. There are no callbacks:
 // requests whose jobs have all ended are polled.
 //
 // To change
 // - which exception a failure becomes: exchange.
-// - what the journal says of a write that ended half-way or changed how a drive is reached:
+// - the journal's lines about a write that ended half-way, or that changed how a drive is reached:
 //   write_effects.
 #pragma once
 

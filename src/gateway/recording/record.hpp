@@ -16,9 +16,8 @@
 // Bytes are hexadecimal; a client is its number, a bus or a listener its place in the settings.
 //
 // To change
-// - what a recording says of an input or an action: record; who writes it: io/recorder,
-//   app/recording; who plays it again: ctl/replay/replay, what is said of it:
-//   ctl/replay/replay_command.
+// - the text of an input or an action: record; writing it: io/recorder, app/recording; replaying
+//   it: ctl/replay/replay; the report of a replay: ctl/replay/replay_command.
 #pragma once
 
 #include <cstdint>

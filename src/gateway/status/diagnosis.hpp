@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is wrong with the plant, as far as the gateway can know it. Where causes look alike, all of
-// them are named. What works is not mentioned.
+// The faults of the plant, as far as the gateway can know them. If several causes look alike, all
+// of them are named. Parts that work are not mentioned.
 #pragma once
 
 #include <cstdint>

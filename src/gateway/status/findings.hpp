@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the diagnoses of lines and of devices have in common: what is known of the devices of a bus
-// together, and figures as text.
+// Shared by the diagnoses of lines and of devices: facts about all devices of a bus together, and
+// figures as text.
 #pragma once
 
 #include <optional>

@@ -3,13 +3,14 @@
 // on another thread, and after a reload. Making it changes nothing.
 //
 // To change
-// - what the status shows: status_report; what it calls wrong, and when: of a device diagnosis, of
-//   a line line_findings; how long requests take: bus/health/answer_times, and what is unanswered
-//   since a device was heard: bus/health/silence; the state of a device, and since when:
-//   bus/health/device_health; what waits on a line: bus/bus_view; how busy it is:
-//   bus/health/line_load, other clients: bus/health/line_diagnosis; as JSON:
-//   app/control/status_json, docs/api.yaml; for people: ctl/control/status_text; in place, again
-//   and again: ctl/control/status_command, what fits into the window: ctl/control/page.
+// - the contents of the status: status_report; as JSON: app/control/status_json, docs/api.yaml; for
+//   people: ctl/control/status_text; drawn in place: ctl/control/status_command, cut to the window:
+//   ctl/control/page.
+// - faults, and when they are found: of a device diagnosis, of a line line_findings.
+// - the duration of requests: bus/health/answer_times; transmissions unanswered since a device was
+//   heard: bus/health/silence; the state of a device, and its beginning: bus/health/device_health.
+// - requests that wait for a line: bus/bus_view; its load: bus/health/line_load; other clients on
+//   it: bus/health/line_diagnosis.
 // - the registers of unit 255: gateway/status_unit, and the table in docs/status.md; another
 //   layout: kLayoutVersion.
 #pragma once

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes over one line, for a trace: which bytes were heard of which transmission.
+// Follows one line for a trace: assigns the bytes that were heard to transmissions.
 #pragma once
 
 #include <cstddef>

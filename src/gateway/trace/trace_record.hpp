@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What became of one request, from the client to the wire and back: plain values with names in
-// them, which can be read on another thread and after a reload.
+// The record of one request in a trace, from the client to the wire and back: plain values with
+// names, which can be read on another thread and after a reload.
 #pragma once
 
 #include <cstdint>

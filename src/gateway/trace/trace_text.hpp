@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the bytes of a trace mean, in one line for people, and what is wrong with them.
+// Describes the bytes of a trace in one line for people, with their faults.
 #pragma once
 
 #include <string>

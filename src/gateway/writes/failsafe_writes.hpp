@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Failsafe writes: what a device gets when the client that counts has gone, or is silent. Whom its
-// configuration names counts, else who wrote to the device last. They are due until the device has
-// acknowledged all of them, or such a client has asked it again. A device to which nobody has
-// written since gets none. Each is sent as a stop without a client, as a request of its own.
+// Failsafe writes: sent to a device when the client that counts has gone, or is silent. The clients
+// in `failsafe_clients` count, else the client that wrote to the device last. They are due until
+// the device has acknowledged all of them, or such a client has asked it again. A device to which
+// nobody has written since gets none. Each is a request of its own, a stop without a client.
 #pragma once
 
 #include <map>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which writes are forbidden by the stops that were accepted, device by device: a write that
-// arrived before a stop, wherever it was held meanwhile, must not be sent after it.
+// The writes that the accepted stops forbid, device by device: a write that arrived before a stop,
+// wherever it was held meanwhile, must not be sent after it.
 #pragma once
 
 #include <cstdint>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a stop is, and which writes must not be carried out: those that a stop forbids, and those of
-// a client that may not write to the device now. Decided device by device.
+// Decides device by device which requests are stops, and which writes must not be carried out:
+// writes that a stop forbids, and writes of a client that may not write to the device now.
 //
 // To change
 // - writer: writers.
-// - when failsafe writes are due, and which client counts: failsafe_writes; what is a request to a
-//   device, and what a write: gateway/clients/requests.
+// - when failsafe writes are due, and which client counts: failsafe_writes; which requests count as
+//   requests to a device, and which as writes: gateway/clients/requests.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who may write to a device, where its guard says more than the access rights do.
+// The clients that may write to a device, if its guard is narrower than the access rights.
 #pragma once
 
 #include <optional>

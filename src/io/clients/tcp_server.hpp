@@ -5,11 +5,11 @@
 //
 // To change
 // - how fast new connections are accepted: tcp_server.
-// - what becomes of a connection that the machine has closed: client_connections, tcp_connection.
-// - file descriptors and memory that are kept for the gateway itself, and whether enough is left
-//   for clients: resources; who asks: tcp_server, app/control/control_doors.
-// - what waited for the process, or while it was stopped: which writes are too old: tcp_server;
-//   what becomes of them: gateway/clients/client_session.
+// - connections that the machine has closed: client_connections, tcp_connection.
+// - file descriptors and memory that are reserved for the gateway itself: resources, used by
+//   tcp_server and app/control/control_doors.
+// - writes that waited while the process was started or stopped: which are too old: tcp_server;
+//   their answers: gateway/clients/client_session.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>

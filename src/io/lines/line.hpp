@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bus is attached to: a serial line, or a TCP connection in place of one. Each open() is a
-// single attempt; the machine decides when to try again.
+// The line that a bus is attached to: a serial line, or a TCP connection in place of one. Each
+// open() is a single attempt; the machine decides when to try again.
 //
 // To change
 // - serial port settings: raw mode, lock: sys/tty; for a line: tty*.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a server of TLS is, and whom it lets in (MB-TCP-Security v36): TLS 1.2 and 1.3, one cipher
-// suite each for RSA and EC, a certificate of both ends, chains and revocations checked. Made on
-// any thread and then used on one; a reload makes another one.
+// The settings of a TLS server, and its checks of clients (MB-TCP-Security v36): TLS 1.2 and 1.3,
+// one cipher suite each for RSA and EC, a certificate of both ends, chains and revocations checked.
+// Made on any thread and then used on one; a reload makes another one.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>

@@ -3,13 +3,14 @@
 // what has become of them. The handshakes themselves are another thread's (TlsFront).
 //
 // To change
-// - a client with TLS: who is let shake hands: tls_door, on the machine's thread; the handshake:
-//   tls_client, on that of tls_front; the records, and how many without data: sys/tls_stream; the
-//   machine has one end of a pair of sockets, and GatewayDriver treats it as any client's.
-//   Versions, suites, what is accepted: tls_context; when a session is taken up again: there too.
-// - private keys: remote_key asks signer_client, which asks signer/door; what they say to each
-//   other: base/signing; which files are keys, and which of them are authorities': signer/key_file;
-//   what is signed: signer/padding.
+// - the clients that may begin a handshake: tls_door, on the machine's thread; the handshake:
+//   tls_client, on the thread of tls_front.
+// - records, and the number of records without data: sys/tls_stream. The machine has one end of a
+//   pair of sockets, which GatewayDriver treats as any client's.
+// - versions, suites, checks of certificates, resumption of sessions: tls_context.
+// - private keys: remote_key asks signer_client, which asks signer/door; their protocol:
+//   base/signing; which files are keys, and which of these belong to an authority: signer/key_file;
+//   what may be signed: signer/padding.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
