@@ -31,6 +31,11 @@ struct Report {
       texts.push_back(kind + ": " + text);
     }
   }
+  /// Takes in another run's figures, its violations with their texts.
+  void take(const Report& other) {
+    add(other);
+    texts.insert(texts.end(), other.texts.begin(), other.texts.end());
+  }
   /// Takes in another run's figures.
   void add(const Report& other);
   /// Everything but the real time, which differs from run to run.
