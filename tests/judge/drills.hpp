@@ -6,9 +6,17 @@
 
 namespace mbgate::judge {
 
+void drill_silence(Drill& drill, bool trace);
+void drill_damage(Drill& drill, bool trace);
+void drill_lateness(Drill& drill, bool trace);
+void drill_hold(Drill& drill, bool trace);
+void drill_seconds(Drill& drill, bool trace);
 void drill_room(Drill& drill, bool trace);
 void drill_turns(Drill& drill, bool trace);
 void drill_sharing(Drill& drill, bool trace);
 void drill_quiet(Drill& drill, bool trace);
+void drill_noise(Drill& drill, bool trace);
+void drill_misfits(Drill& drill, bool trace);
+void drill_stranger(Drill& drill, bool trace);
 
 }  // namespace mbgate::judge
