@@ -18,5 +18,9 @@ void drill_quiet(Drill& drill, bool trace);
 void drill_noise(Drill& drill, bool trace);
 void drill_misfits(Drill& drill, bool trace);
 void drill_stranger(Drill& drill, bool trace);
+void drill_stop_first(Drill& drill, bool trace);
+void drill_stop_fails(Drill& drill, bool trace);
+void drill_reload(Drill& drill, bool trace);
+void drill_failsafe(Drill& drill, bool trace);
 
 }  // namespace mbgate::judge
