@@ -37,6 +37,11 @@ class Drill {
   Id read(Client& client, std::size_t door, Duration patience = Duration{0}, unsigned count = 4);
   Id write(Client& client, std::size_t door, Duration patience = Duration{0});
   Id stop(Client& client, std::size_t door, std::uint16_t word, Duration patience = Duration{0});
+  Octets own(Client& client, const Octets& pdu) {
+    return ledger()
+        .asked[ask(client, Asking::of_gateway(pdu), std::chrono::milliseconds(10))]
+        .answer;
+  }
   Client& visit(unsigned host) { return world_->visit(0, host); }
   /// "": none yet, "ok", or the exception in hexadecimal.
   std::string outcome(Id asked);

@@ -104,7 +104,6 @@ void drill_lateness(Drill& drill, bool trace) {
   drill.expect("grew", drill.notices(bus::DeviceNotice::Kind::late, 0) > 0);
   drill.between("quarantine", device.quarantine, most * 9 / 10,
                 std::max(2 * most, *timing.quarantine) + 40ms);
-  drill.equal("least", device.least_quarantine / 1us, *timing.quarantine / 1us);
 }
 
 // While an answer may still come, the drive is left alone; and no longer.

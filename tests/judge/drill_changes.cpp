@@ -122,6 +122,9 @@ void drill_reload(Drill& drill, bool trace) {
   drill.wait(1s);
   const Id nowhere = read_routed(drill, 0, 1);
   drill.expect("no_route", drill.outcome(nowhere) == "0A", drill.outcome(nowhere));
+  drill.expect("no_route_told", std::ranges::any_of(drill.world().events(), [](const auto& it) {
+                 return std::holds_alternative<gateway::UnitNotRouted>(it);
+               }));
   const Id there = read_routed(drill, 0, 0);
   drill.expect("other_route", drill.outcome(there) == "ok", drill.outcome(there));
   drill.world().change(reversed(before));

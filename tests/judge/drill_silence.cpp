@@ -7,10 +7,6 @@ namespace mbgate::judge {
 using namespace std::chrono_literals;
 using Notice = bus::DeviceNotice::Kind;
 
-namespace {
-constexpr Duration kTurn = 2ms;  // of a process that is never late, between two things
-}
-
 void drill_silence(Drill& drill, bool trace) {
   drive::DeviceTiming& timing = drill.timing(0);
   timing.offline_after = drill.random().between(1U, 4U);
@@ -23,7 +19,7 @@ void drill_silence(Drill& drill, bool trace) {
   gateway::DeviceStatus device = drill.device(0);
   drill.expect("state", device.state == bus::DeviceState::answering && device.has_answered);
   const Sent sent = drill.ledger().sent.back();
-  drill.between("last_answer", device.last_answer.value_or(0s), drill.now() - sent.answered - kTurn,
+  drill.between("last_answer", device.last_answer.value_or(0s), drill.now() - sent.answered - 2ms,
                 drill.now() - sent.answered);
   drill.between("last_request", device.last_request.value_or(0s), drill.now() - sent.begin,
                 drill.now() - sent.begin);
@@ -68,12 +64,18 @@ void drill_silence(Drill& drill, bool trace) {
   drill.equal("sent_offline", drill.transmissions().size(), std::size_t{0});
   drill.expect("next_probe",
                drill.device(0).next_probe && *drill.device(0).next_probe <= timing.probe_interval);
+  const auto shown = [&] {  // its state, and whether it is offline (mbgated(8))
+    const Octets answer = drill.own(client, request(4, 10000, 19));
+    return answer.size() == 40 ? word_at(answer, 6) * 10U + word_at(answer, 38) : 0U;
+  };
+  drill.equal("own_unit", shown(), 31U);
   const Id other = drill.read(client, 1, 1s);
   drill.expect("other_answered", drill.outcome(other) == "ok", drill.outcome(other));
   drill.world().habits_of(0).dead = false;
   drill.wait(timing.probe_interval + 3s);
   const Id back = drill.read(client, 0, 3s);
   drill.expect("back_answered", drill.outcome(back) == "ok", drill.outcome(back));
+  drill.equal("own_unit", shown(), 10U);
   drill.equal("back", drill.notices(Notice::back, 0), std::size_t{1});
   device = drill.device(0);
   drill.expect("state", device.state == bus::DeviceState::answering &&

@@ -74,7 +74,7 @@ int main(int count, char** arguments) {
     mbgate::world::Report report =
         mbgate::judge::run(mbgate::world::draw_plan(seed),
                            {.transactions = options.transactions, .trace = options.trace});
-    report.take(mbgate::judge::drill(seed, options.trace));
+    report.add(mbgate::judge::drill(seed, options.trace));
     total.add(report);
     const auto number = static_cast<unsigned long long>(seed);
     if (options.verbose) {
