@@ -114,11 +114,14 @@ void drill_hold(Drill& drill, bool trace) {
   timing.retries = 0;
   timing.gap = 0ms;
   timing.quarantine = drill.random().duration(50ms, 300ms);
+  drill.plan().settings.listeners[0].idle_timeout = 3s;
   drill.begin(trace);
   Client& client = drill.visit(0);
   drill.world().habits_of(0).dead = true;
   drill.read(client, 0, 25ms, 4);
   drill.world().habits_of(0).dead = false;
+  drill.wait(drill.longest(0));
+  drill.expect("held_back", drill.device(0).held_back > 0ms);
   const Id next = drill.read(client, 0, 2s, 5);
   const auto sent = drill.transmissions();
   drill.equal("transmissions", sent.size(), std::size_t{2});
@@ -132,6 +135,8 @@ void drill_hold(Drill& drill, bool trace) {
   const Sent& before = drill.ledger().sent[2];
   drill.between("not_held", drill.ledger().sent[3].begin - before.answered, 0ms,
                 silence_of(drill.plan().bus(0)) + drill.plan().bus(0).settle + 25ms);
+  drill.wait(4s);
+  drill.expect("idle_closed", !client.is_connected());
 }
 
 // A drive that answers twice is left alone behind each answer for as long as it needs.

@@ -93,8 +93,6 @@ void drill_turns(Drill& drill, bool trace) {
       drill.read(*client, 0, 0ms, count);
     }
   }
-  drill.wait(8ms * kEach);
-  const gateway::BusStatus busy = drill.bus();
   drill.wait(20s);
   std::map<Id, unsigned> done;
   std::vector<const Asked*> order;
@@ -118,7 +116,6 @@ void drill_turns(Drill& drill, bool trace) {
   drill.equal("waits_noted", sum_of(drill.device(0).times.queue.all()),
               std::uint64_t{clients.size() * kEach});
   drill.equal("waiting", drill.bus().waiting, std::size_t{0});
-  drill.expect("waits", busy.waiting > 0 && busy.longest_waiting > 0ms);
 }
 
 // A read that waits is sent once for all who ask the same. What was read is kept for its age, until

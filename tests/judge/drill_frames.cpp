@@ -80,8 +80,6 @@ void drill_stranger(Drill& drill, bool trace) {
   });
   drill.equal("foreign_told", told, std::ptrdiff_t{1});
   drill.expect("foreign_counted", drill.bus().counters.foreign_frames > 10);
-  drill.between("foreign_ago", drill.bus().last_foreign.value_or(1h),
-                drill.now() - drill.ledger().lines[0].heard - 3ms, 30s);
 }
 
 }  // namespace mbgate::judge

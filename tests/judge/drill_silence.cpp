@@ -69,8 +69,6 @@ void drill_silence(Drill& drill, bool trace) {
     return answer.size() == 40 ? word_at(answer, 6) * 10U + word_at(answer, 38) : 0U;
   };
   drill.equal("own_unit", shown(), 31U);
-  const Id other = drill.read(client, 1, 1s);
-  drill.expect("other_answered", drill.outcome(other) == "ok", drill.outcome(other));
   drill.world().habits_of(0).dead = false;
   drill.wait(timing.probe_interval + 3s);
   const Id back = drill.read(client, 0, 3s);
