@@ -185,10 +185,10 @@ void StateReader::read(const bus::DeviceTable& devices, const Sight& sight, Hash
 }
 
 void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& hash) {
-  // A setting: device. Counted or told only: counters, early_reported, second_reported,
-  // misfit_reported, pause_reported, owed_until, asked_at, silence, times, second_at,
-  // second_read_at, setting, unreached, failed_stop. Nobody else asks here: others_at. A job that
-  // the queue shows too: probe.
+  // A setting: device. Nobody else asks here: others_at. The queue shows it too: probe. Counted or
+  // told only: counters, early_reported, second_reported, misfit_reported, pause_reported,
+  // owed_until, asked_at, silence, times, second_at, second_read_at, setting, unreached,
+  // failed_stop.
   const auto& [device, counters, health, hold, cache, free_at, probe, setting_known, early_reported,
                stop_unanswered, stops_given_up, second_reported, misfit_reported, pause_reported,
                owed_until, others_at, asked_at, silence, times, second_at, second_read_at, setting,
@@ -255,13 +255,11 @@ void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing,
   hash.since(silent[1], kFarPast);
   hash.until(rests_until);
   hash.since(rested_at, kFarPast);
+  hash.add(answered.size());
   for (const auto& [asked, at] : answered) {
-    if (hash.now() <= at + timing.response_timeout || &asked == &answered.back().asked) {
-      hash.since(at, kFarPast);
-      hash.add(asked.pdu().bytes());
-    }
+    hash.since(at, kFarPast);
+    hash.add(asked.pdu().bytes());
   }
-  hash.add(answered.size() > 0);
   hash.add(was_sudden);
   hash.add(seconds);
   hash.add(clean);

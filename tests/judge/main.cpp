@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "judge/bounds.hpp"
+#include "judge/drill.hpp"
 #include "judge/run.hpp"
 
 namespace {
@@ -70,9 +71,10 @@ int main(int count, char** arguments) {
   const auto begun = std::chrono::steady_clock::now();
   for (; seeds < options.seeds && !(options.first && failed > 0); ++seeds) {
     const std::uint64_t seed = options.seed + seeds;
-    const mbgate::world::Report report =
+    mbgate::world::Report report =
         mbgate::judge::run(mbgate::world::draw_plan(seed),
                            {.transactions = options.transactions, .trace = options.trace});
+    report.add(mbgate::judge::drill(seed, options.trace));
     total.add(report);
     const auto number = static_cast<unsigned long long>(seed);
     if (options.verbose) {

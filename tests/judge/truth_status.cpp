@@ -128,6 +128,8 @@ void RulesJudge::check_identity() {
   expect(ask(4, 1), answer_of(4, 1, object(1, "mbgated")));
   expect(ask(4, 3), {0xAB, 2}, 2);
   expect(ask(5, 0), {0xAB, 3}, 2);
+  expect({0x2B, 0x0D, 1, 0}, {0xAB, 1}, 2);  // another kind of encapsulation, and a write
+  expect(request(6, 0, 0), {0x86, 1}, 2);
 }
 
 // All buses together, in 16 bits.

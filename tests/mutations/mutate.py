@@ -230,13 +230,14 @@ def execute(command, limit, number=None, reached=None, stop=None):
     late = threading.Event()
     with subprocess.Popen([*limits, *command], text=True, errors="replace", env=surroundings, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT) as process:
-        timer = threading.Timer(STANDS_STILL * limit, lambda: (late.set(), process.kill()))
+        end = functools.partial(os.kill, process.pid, signal.SIGKILL)  # Popen.kill() might wait for it, too
+        timer = threading.Timer(STANDS_STILL * limit, lambda: (late.set(), end()))
         timer.start()
         lines = []
         for line in process.stdout:
             lines = [*lines[-200:], line]
             if stop and stop.search(line):
-                process.kill()
+                end()
                 break
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)

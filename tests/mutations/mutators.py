@@ -247,9 +247,13 @@ def read(text, arguments):
 
 
 def errors_in(unit):
-    """What libclang does not understand, as the words of a compiler."""
-    wrong = [(it.location, it.spelling) for it in unit.diagnostics if it.severity >= cindex.Diagnostic.Error]
-    return "".join(f"{at.file}:{at.line}:{at.column}: error: {text}\n" for at, text in wrong)
+    """What libclang does not understand, as the words of a compiler; before an error what led it there."""
+    lines = []
+    for wrong in unit.diagnostics:
+        if wrong.severity >= cindex.Diagnostic.Error:
+            lines += [(note.location, "required from here") for note in wrong.children if note.location.file]
+            lines.append((wrong.location, f"error: {wrong.spelling}"))
+    return "".join(f"{at.file}:{at.line}:{at.column}: {text}\n" for at, text in lines)
 
 
 def places(text, root, wanted, arguments):

@@ -27,7 +27,7 @@ from typing import NamedTuple
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-PARTS = ("CMakeLists.txt", "cmake", "src", "tests", "bench", "conf")
+PARTS = ("CMakeLists.txt", "cmake", "src", "tests", "bench", "conf", "tools", "systemd", "debian")
 SKIPPED = 77  # what ctest takes for a test that could not be run
 # What takes more memory, or more seconds of the processor, does not end by itself.
 MOST_MEMORY = 4 << 30

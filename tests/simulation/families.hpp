@@ -61,13 +61,8 @@ class Families : public testing::Test {
   }
   void send(unsigned unit, std::string_view pdu) {
     const auto bytes = unhex(pdu);
-    std::vector<std::uint8_t> adu{0,
-                                  1,
-                                  0,
-                                  0,
-                                  0,
-                                  static_cast<std::uint8_t>(bytes.size() + 1),
-                                  static_cast<std::uint8_t>(unit)};
+    const auto size = static_cast<std::uint8_t>(bytes.size() + 1);
+    std::vector<std::uint8_t> adu{0, 1, 0, 0, 0, size, static_cast<std::uint8_t>(unit)};
     adu.insert(adu.end(), bytes.begin(), bytes.end());
     world_->send(client_, adu);
   }

@@ -3,13 +3,12 @@
 // clients that the test plays. Nothing waits for a clock; the same calls give the same run.
 #pragma once
 
+#include <deque>
 #include <functional>
-#include <map>
 #include <random>
 #include <string>
 #include <vector>
 
-#include "sim/wire/tcp_bus.hpp"
 #include "sim/wire/wire.hpp"
 #include "support/gateway_harness.hpp"
 
@@ -22,27 +21,17 @@ using gateway::BusId;
 using gateway::ClientId;
 using gateway::ListenerId;
 
-struct BusPlan {
-  bus::BusSettings bus;
-  std::vector<sim::DeviceSettings> devices;
-};
-
 class World {
  public:
   /// `on_answer` is called with every ADU that a client receives.
   using OnAnswer = std::function<void(ClientId, modbus::Bytes)>;
 
-  /// One transparent listener for each bus.
-  World(const std::vector<BusPlan>& buses, OnAnswer on_answer);
-  /// The same with settings of the test's own; `devices` are those on each bus.
+  /// `devices` are those on each bus.
   World(const gateway::Settings& settings,
         const std::vector<std::vector<sim::DeviceSettings>>& devices, OnAnswer on_answer);
 
   ClientId connect(std::size_t listener, unsigned host);
   void send(ClientId client, modbus::Bytes bytes);
-  void disconnect(ClientId client);
-  void reload(const gateway::Settings& settings) { feed(gateway::SettingsChanged{&settings}); }
-  void clear_counters() { feed(gateway::ClearCountersAsked{}); }
 
   /// Runs until nothing is left to happen before `limit`, or `done` says so.
   void run(Instant limit, const std::function<bool()>& done);
@@ -52,10 +41,7 @@ class World {
 
   [[nodiscard]] Instant now() const { return harness_.now(); }
   [[nodiscard]] sim::Wire& wire(std::size_t bus) { return wires_[bus]; }
-  [[nodiscard]] gateway::Gateway& gateway() { return harness_.gateway(); }
-  [[nodiscard]] bool is_closed(ClientId client) const { return closed_.contains(client); }
   [[nodiscard]] std::uint64_t silence_violations() const;
-  [[nodiscard]] std::uint64_t collisions() const;
 
  private:
   void feed(const gateway::Input& input);
@@ -67,8 +53,6 @@ class World {
   OnAnswer on_answer_;
   GatewayHarness harness_;
   std::deque<sim::Wire> wires_;
-  std::deque<std::optional<sim::TcpBus>> servers_;  ///< in place of the wire of a TCP bus
-  std::map<ClientId, bool> closed_;
   std::uint64_t clients_ = 0;
 };
 

@@ -149,7 +149,7 @@ void Line::answer(Drive& drive, Id id, const Octets& answer) {
   } else if (spoil(habits, pdu, frame, came)) {
     good = frame.size();
   } else if (!ascii_ && answers_with_data(pdu) && happens(habits.glitches, "glitch")) {
-    const std::size_t size = random_.between<std::size_t>(1, 8);
+    const std::size_t size = random_.between<std::size_t>(1, habits.most_glitches);
     frame.insert(frame.begin(), size, random_.one_of<std::uint8_t>({0x00, 0xFF, 0xF8}));
     good += size;
   } else if (!ascii_ && happens(habits.tails, "tail")) {
@@ -181,6 +181,13 @@ void Line::answer(Drive& drive, Id id, const Octets& answer) {
 // leaves none that may stand in a frame.
 bool Line::spoil(const Habits& habits, Octets& pdu, Octets& frame, Came& came) {
   if (happens(habits.damaged, "damaged")) {
+    if (habits.damages_check) {
+      std::uint8_t& last = frame[frame.size() - (ascii_ ? 3U : 1U)];
+      last = ascii_ ? (last == '0' ? '1' : '0') : last ^ 0x01U;
+      came.fits = false;
+      came.ends_wait = true;
+      return true;
+    }
     constexpr std::size_t kHead = 3;  // who, what, and how much
     const std::size_t at = random_.below(frame.size() - (ascii_ ? 2U : 0U));
     frame[at] = low(ascii_ ? frame[at] | 0x80U : frame[at] ^ (1U << random_.below(8U)));

@@ -24,13 +24,15 @@ struct Habits {
   Duration second_to{0};
   unsigned copies = 0;  ///< the answer is said twice, without a pause
   unsigned damaged = 0;
-  unsigned cut = 0;          ///< the rest never comes
-  unsigned crawls = 0;       ///< one byte, a long pause, and the next
-  unsigned pauses = 0;       ///< within an answer, for less than `frame_slack`
-  unsigned long_pauses = 0;  ///< for more
-  unsigned misfits = 0;      ///< other lengths, functions, addresses and values, with a good check
-  unsigned glitches = 0;     ///< bytes in front
-  unsigned tails = 0;        ///< a byte or more behind
+  bool damages_check = false;  ///< and nothing else of the answer
+  unsigned cut = 0;            ///< the rest never comes
+  unsigned crawls = 0;         ///< one byte, a long pause, and the next
+  unsigned pauses = 0;         ///< within an answer, for less than `frame_slack`
+  unsigned long_pauses = 0;    ///< for more
+  unsigned misfits = 0;   ///< other lengths, functions, addresses and values, with a good check
+  unsigned glitches = 0;  ///< bytes in front
+  std::size_t most_glitches = 8;  ///< so many of them
+  unsigned tails = 0;             ///< a byte or more behind
   unsigned exceptions = 0;
   unsigned limits = 0;         ///< of writes: another value is taken, and echoed
   unsigned refuses_stops = 0;  ///< of stops: an exception that asks for another try

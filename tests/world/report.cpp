@@ -29,6 +29,7 @@ void Report::add(const Report& other) {
   add_to(faults, other.faults);
   add_to(apart, other.apart);
   add_to(violations, other.violations);
+  texts.insert(texts.end(), other.texts.begin(), other.texts.end());
 }
 
 std::string Report::summary() const {

@@ -31,7 +31,7 @@ struct Report {
       texts.push_back(kind + ": " + text);
     }
   }
-  /// Takes in another run's figures.
+  /// Takes in another run's figures, and its texts.
   void add(const Report& other);
   /// Everything but the real time, which differs from run to run.
   [[nodiscard]] std::string summary() const;

@@ -246,6 +246,8 @@ void World::carry_out(const gateway::Action& action) {
       report_.fault("closed_by_gateway");
       client->closed_by_gateway();
     }
+  } else if (const auto* report = std::get_if<gateway::Report>(&action)) {
+    events_.push_back(report->event);
   } else if (std::holds_alternative<gateway::Finished>(action)) {
     finished_ = true;
   }

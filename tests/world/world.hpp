@@ -40,6 +40,10 @@ class World {
   std::optional<Octets> ask(std::size_t door, Duration patience);
   /// The same of the gateway's own unit.
   std::optional<Octets> ask_gateway(const Octets& pdu, Duration patience);
+  /// A client that asks nothing by itself.
+  Client& visit(std::size_t listener, unsigned host);
+  /// Other settings, as another file would have them; the plan keeps its own.
+  void change(const gateway::Settings& settings);
   void shut_down();
   /// Its driver judges before it reads, which it must not.
   void break_promise() { driver_.break_promise(); }
@@ -51,6 +55,9 @@ class World {
   [[nodiscard]] const Plan& plan() const { return plan_; }
   [[nodiscard]] const Ledger& ledger() const { return ledger_; }
   [[nodiscard]] const std::vector<Drive>& drives() const { return drives_; }
+  /// From now on.
+  [[nodiscard]] Habits& habits_of(std::size_t drive) { return drives_[drive].habits; }
+  [[nodiscard]] const std::vector<gateway::Event>& events() const { return events_; }
   [[nodiscard]] Report& report() { return report_; }
   [[nodiscard]] Instant now() const { return schedule_.now(); }
   [[nodiscard]] bool is_finished() const { return finished_; }
@@ -121,7 +128,8 @@ class World {
   Witness nobody_;
   Witness* witness_ = &nobody_;
   std::deque<gateway::Action> frames_;
-  std::vector<bus::Loss> losses_;  ///< by bus, of what the driver will find
+  std::vector<bus::Loss> losses_;       ///< by bus, of what the driver will find
+  std::vector<gateway::Event> events_;  ///< that the gateway has reported
   bool trace_;
   bool draining_ = false;
   bool finished_ = false;

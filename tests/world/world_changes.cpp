@@ -122,6 +122,14 @@ void World::hand_in_settings() {
   drain();
 }
 
+void World::change(const gateway::Settings& settings) {
+  ledger_.reloaded = schedule_.now();
+  trace("reload");
+  witness_->reloaded();
+  harness_->handle(gateway::SettingsChanged{&settings}, schedule_.now());
+  drain();
+}
+
 // Who has written to them before is still who has written to them.
 void World::rename_devices() {
   report_.fault("devices_renamed");

@@ -49,13 +49,18 @@ std::optional<Octets> World::ask_gateway(const Octets& pdu, Duration patience) {
   return ask(0, Asking::of_gateway(pdu), patience);
 }
 
-std::optional<Octets> World::ask(std::size_t listener, Intent intent, Duration patience) {
+Client& World::visit(std::size_t listener, unsigned host) {
   Manners manners;
   manners.listener = listener;
-  manners.host = kMostHosts - 1;
+  manners.host = host;
   Client& client = clients_.emplace_back(manners, tools_);
   client.end_asking();
   client.connect();
+  return client;
+}
+
+std::optional<Octets> World::ask(std::size_t listener, Intent intent, Duration patience) {
+  Client& client = visit(listener, kMostHosts - 1);
   if (!client.is_connected()) {
     run_for(patience);
     return std::nullopt;
