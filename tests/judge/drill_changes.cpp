@@ -84,7 +84,7 @@ void drill_reload(Drill& drill, bool trace) {
   for (std::size_t at = 0; at < 2; ++at) {
     routing::Route route;
     route.listener = routing::ListenerId{1};
-    route.first_unit = route.last_unit = low(kFirstUnit + at);
+    route.first_unit = route.last_unit = low(kFirstUnit + static_cast<unsigned>(at));
     route.buses = {drive::BusId{0}};
     route.first_address = drill.plan().stations[at].address;
     route.device = at;

@@ -38,10 +38,10 @@ void World::number_buses() {
 }
 
 void World::begin_changes() {
-  const auto again = [this](Duration every, void (World::*change)()) {
-    schedule_.after(changes_.duration(every / 4, 2 * every), [this, change] {
+  const auto again = [this](Duration every, void (World::*event)()) {
+    schedule_.after(changes_.duration(every / 4, 2 * every), [this, event] {
       if (!ledger_.calm && ledger_.stopping == kNever) {
-        (this->*change)();
+        (this->*event)();
       }
     });
   };
