@@ -175,7 +175,9 @@ void LineDiagnosis::note_unsolicited(const UnsolicitedFrame& unsolicited) {
   const std::uint8_t address = unsolicited.address;
   DeviceEntry& entry = parts_.devices[address];
   frame_heard_ = true;
-  if (unsolicited.is_echo || parts_.is_unreached(unsolicited.pdu)) {
+  // Pieces of damaged answers may make a good frame by chance, of an address that nobody asked.
+  if (unsolicited.is_echo || parts_.is_unreached(unsolicited.pdu) ||
+      (unsolicited.pause > Duration{0} && entry.is_unknown())) {
     return;
   }
   if (unsolicited.pause > Duration{0}) {  // whose answer it was, nobody can tell
@@ -273,9 +275,7 @@ void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
   const Duration longest = entry.in_force().quarantine_max;
   const bool is_asked = asked_of(parts_, address) != nullptr;
   const bool is_request_of_now = is_own(parts_, unsolicited);
-  if (unsolicited.is_request && !is_request_of_now) {
-    entry.others_at = now;
-  }
+  entry.others_at = unsolicited.is_request && !is_request_of_now ? now : entry.others_at;
   if (is_request_of_now && unsolicited.is_request && parts_.settings.line.echo == false &&
       denied_echo_.note_heard(now)) {
     parts_.actions.push(LineNotice{LineFault::echo_denied});

@@ -24,6 +24,17 @@ TEST_F(BusPause, IsToldAndIsNoLatenessOfAnEarlierRequest) {
   EXPECT_EQ(bus_->counters().late_responses, 0U);
 }
 
+// Two damaged answers, of which the end of the first and the second make a frame by chance.
+TEST_F(BusPause, OfAnAddressThatNobodyHasAskedIsNotTold) {
+  open(settings(), {});
+  for (const auto* const piece : {"57 03", "02 12 34 FD 3F"}) {
+    line(piece);
+    advance(50ms);
+  }
+  EXPECT_THAT(notices_, IsEmpty());
+  EXPECT_EQ(bus_->devices()[0x57].health.state(), bus::DeviceState::not_asked);
+}
+
 TEST_F(BusPause, WithinFrameSlackIsPartOfTheAnswer) {
   auto patient = settings();
   patient.timing.response_timeout = 1s;
