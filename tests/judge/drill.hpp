@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Drills: small plants in which one thing goes wrong at a time, by a plan. So the judge knows
 // exactly what has to come of it: how often the gateway tries, when, what it counts and what it
-// says (behaviour.md, sections 2 to 6, and promise 7). What varies is drawn from the seed.
+// says (promise 7 in docs/behaviour.md). What varies is drawn from the seed.
 #pragma once
 
 #include "judge/judge.hpp"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings that are read again, in another order and with less in them; and failsafe writes
-// (behaviour.md, sections 6 and 10).
+// Settings that are read again, in another order and with less in them; and failsafe writes.
 #include <algorithm>
 
 #include "judge/drills.hpp"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Connections beyond their limits, turns, and requests that are sent once for several clients
-// (behaviour.md, sections 2 and 6).
+// Connections beyond their limits, turns, and requests that are sent once for several clients.
 #include <algorithm>
 #include <map>
 #include <numeric>

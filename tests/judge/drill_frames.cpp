@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What stands around answers and inside them, and does not keep them from their clients; and frames
-// of others (behaviour.md, section 4).
+// of others.
 #include <algorithm>
 
 #include "judge/drills.hpp"

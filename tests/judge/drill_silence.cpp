@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A drive loses its supply, and gets it back (behaviour.md, sections 4 to 6).
+// A drive loses its supply, and gets it back.
 #include "judge/drills.hpp"
 
 namespace mbgate::judge {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stops: how soon, how often, what they cancel, and what is said of those that fail (behaviour.md,
-// section 6).
+// Stops: how soon, how often, what they cancel, and what is said of those that fail.
 #include <algorithm>
 
 #include "judge/drills.hpp"

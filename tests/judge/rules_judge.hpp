@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Truths of what is configured for clients and not of lines: rights, writers, rates, the order of
-// answers, counters (behaviour.md, sections 2, 3 and 8). It tells the judge of lines what it sees.
+// answers, counters. It tells the judge of lines what it sees.
 #pragma once
 
 #include <deque>

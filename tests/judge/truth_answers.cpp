@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A value that a client got was in that drive's registers between the request's arrival (less the
-// cache) and the answer; an acknowledged write was done; a refused one was not sent (behaviour.md,
-// promise 2, and section 1).
+// cache) and the answer; an acknowledged write was done; a refused one was not sent (promise 2 in
+// docs/behaviour.md).
 #include <algorithm>
 
 #include "judge/judge.hpp"
@@ -235,7 +235,7 @@ bool Judge::is_later_than_ever(const Asked& asked, const Came& last) const {
 }
 
 // Some wrong answers nobody can help: until a device has shown how late it can be, or that it
-// answers twice (behaviour.md, section 5). They are few, and then there are none.
+// answers twice. They are few, and then there are none.
 void Judge::note_wrong(const Asked& asked, const char* kind) {
   constexpr unsigned kMost = 12;
   constexpr unsigned kForgotten = 200;

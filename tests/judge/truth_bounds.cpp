@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is fast enough is a figure of a whole run: answers that came in time reach their clients,
-// and a good frame that does not fit ends a wait (behaviour.md, section 4).
+// and a good frame that does not fit ends a wait.
 #include "judge/judge.hpp"
 
 namespace mbgate::judge {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // When faults have stopped, the gateway's own counters say what the ledger has counted, as far as
-// it is certain from outside (behaviour.md, section 10).
+// it is certain from outside.
 #include <algorithm>
 
 #include "judge/rules_judge.hpp"

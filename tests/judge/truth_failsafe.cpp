@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Failsafe writes go when a client that has written to the drive has gone, and not while all of
-// them are there; they stay due until the drive has them (behaviour.md, section 6).
+// them are there; they stay due until the drive has them.
 #include <algorithm>
 #include <set>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What names no register is answered by that drive, and a broadcast goes out in every form that is
-// used on its buses (behaviour.md, sections 1 and 6).
+// used on its buses.
 #include <algorithm>
 
 #include "judge/rules_judge.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// With `ordered = true` a connection gets its answers in the order of its requests (behaviour.md,
-// section 2); without it identifiers suffice.
+// With `ordered = true` a connection gets its answers in the order of its requests; without it
+// identifiers suffice.
 #include <algorithm>
 
 #include "judge/rules_judge.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // So many requests as a rate says may go through at once, and then one after the other; stops never
-// count. Who is under all rates, and meets no other reason, does not get 06 at once (behaviour.md,
-// sections 2 and 8).
+// count. Who is under all rates, and meets no other reason, does not get 06 at once.
 #include <algorithm>
 
 #include "judge/rules_judge.hpp"

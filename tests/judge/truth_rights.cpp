@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is denied gets 01 and goes nowhere (judge.cpp, truth_writes.cpp see to the latter); what
-// waits for a right that a reload has taken gets 06, and does not go any more (behaviour.md,
-// sections 3 and 8).
+// waits for a right that a reload has taken gets 06, and does not go any more.
 #include <algorithm>
 
 #include "judge/rules_judge.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the gateway says of itself when all is well again: the states of its devices, and its own
-// unit, 255, in the layout that mbgated(8) promises (behaviour.md, sections 3 and 10).
+// unit, 255, in the layout that mbgated(8) promises.
 #include <string_view>
 
 #include "judge/rules_judge.hpp"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stop is on the wire within its bound, and repeated while its drive says "not now"
-// (behaviour.md, section 6).
+// A stop is on the wire within its bound, and repeated while its drive says "not now".
 #include <algorithm>
 
 #include "judge/judge.hpp"

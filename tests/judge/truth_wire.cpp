@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One transaction at a time on a line, with the silence that the standard requires (promise 1), and
-// a drive that may still answer is left alone (promise 5; behaviour.md, sections 4 and 5).
+// a drive that may still answer is left alone (promise 5 in docs/behaviour.md).
 #include <algorithm>
 
 #include "judge/judge.hpp"
@@ -193,7 +193,7 @@ void Judge::check_half(Id id) {
 }
 
 // What an adapter still holds at the response timeout never leaves it: the line is lost, and the
-// driver drops it (behaviour.md, section 4).
+// driver drops it.
 void Judge::check_heard(Id id) {
   const Sent& sent = ledger_.sent[id];
   constexpr Duration kLateness = 200ms;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where `writer = "first"` says so, nobody writes for `writer_hold` after another client's write;
-// stops always go (behaviour.md, section 3). What lists of writers say is a right (world/rights).
+// stops always go. What lists of writers say is a right (world/rights).
 #include "judge/rules_judge.hpp"
 
 namespace mbgate::judge {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Everything on the wire was asked for; a write goes once, never late, never for a client that has
-// gone, never after its stop (behaviour.md, promise 3, and section 6), and within the limits of its
+// gone, never after its stop (promise 3 in docs/behaviour.md), and within the limits of its
 // drive (section 7).
 #include <algorithm>
 

@@ -183,7 +183,7 @@ bool is_stopping(const Cell& cell);
 std::vector<Cell> cells_of(Bytes pdu);
 /// The same of functions that name no table: their data.
 bool is_nameless_write(Bytes pdu);
-/// 1 to 4, 7, 11, 12, 17, 20, 24 and 43/14 (behaviour.md, section 1).
+/// 1 to 4, 7, 11, 12, 17, 20, 24 and 43/14.
 bool is_read(Bytes pdu);
 
 }  // namespace mbgate::world
