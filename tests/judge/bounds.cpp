@@ -243,7 +243,7 @@ void hung_under_stops(Figures& table, unsigned clients, bool was_kept) {
 bool run_bounds() {
   Figures table;
   const unsigned alone = rate_alone();
-  for (const unsigned dead : {1U, 2U, 4U, 6U, 8U, 12U, 16U}) {
+  for (const unsigned dead : {1U, 6U, 16U}) {
     beside_dead_drives(table, dead, alone);
   }
   shares_of_hosts(table);
