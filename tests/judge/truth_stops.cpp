@@ -13,13 +13,14 @@ namespace {
 constexpr std::uint32_t kTryAgain = 1U << 5U | 1U << 6U | 1U << 10U | 1U << 11U;
 }  // namespace
 
-// A stop to a drive that was silent to the last one may wait while lost time is paid back to
-// others, as often as they lose more.
+// A stop to a drive that has not answered the last one, nor anything since, may wait while lost
+// time is paid back to others, as often as they lose more.
 bool Judge::follows_silence(const Sent& stop, Id id) const {
   const auto& all = ledger_.last_sent[*stop.station];
-  const auto last = std::find_if(all.rbegin(), all.rend(), [&](Id it) { return it != id; });
-  return last != all.rend() && ledger_.sent[*last].is_stop &&
-         ledger_.sent[*last].answered == kNever;
+  const auto last = std::find_if(all.rbegin(), all.rend(), [&](Id it) {
+    return it != id && (ledger_.sent[it].is_stop || ledger_.sent[it].answered != kNever);
+  });
+  return last != all.rend() && ledger_.sent[*last].answered == kNever;
 }
 
 // From acceptance, or from when its line was there, to the wire; others that wait are counted.
@@ -47,7 +48,8 @@ void Judge::check_stop_time(Id id) {
     others += ledger_.sent[before - 1].bus == sent.bus ? 1U : 0U;
   }
   const Duration frame = 2 * WireTimes(plan_.bus(sent.bus).line).of(kAsciiFrame);
-  const Duration bound = 2s + 600ms + frame + (others + 1) * (longest + frame / 4);
+  const Duration stopped = plan_.driver.stops ? 5s : 0s;  // the process, several times
+  const Duration bound = 2s + 600ms + stopped + frame + (others + 1) * (longest + frame / 4);
   if (sent.begin > from + bound) {
     violation("stop_late", name(sent) + " for " + name(asked) + ", after " +
                                std::to_string((sent.begin - from) / 1ms) + " ms");
