@@ -30,6 +30,7 @@ device = "/run/drives/witness-{bus}"
 baud = 115200
 parity = "none"
 response_timeout = "300ms"
+echo = false  # else a write that is the first request after a restart gets 0B: what came may be its echo
 listen_first = "{LISTEN_FIRST * 1000:.0f}ms"
 
 [[route]]

@@ -68,6 +68,7 @@ def socket_only(plant):
     plant.systemctl("start", "mbgated")
     said = plant.says("far", "socket-only.conf", patience=3)
     report.check("socket-only.conf: a bus behind a device server cannot connect, and says why", said, said)
+    plant.systemctl("stop", "mbgated")
     plant.configure(alone)
     plant.systemctl("start", "mbgated.socket", "mbgated-http.socket")
     done = plant.systemctl("start", "mbgated")
