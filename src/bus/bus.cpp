@@ -116,15 +116,15 @@ void Bus::handle_deadline(Instant now) {
 
 // What the line discipline has found, in the order in which it came.
 void Bus::collect(Instant now) {
-  for (bool goes_on = true; goes_on;) {
+  const auto diagnose_others = [this] {
     while (const auto unsolicited = parts_.line.take_unsolicited()) {
       diagnosis_.note_unsolicited(*unsolicited);
     }
-    const auto end = parts_.line.take_end(now);
-    goes_on = end.has_value();
-    if (end) {
-      outcomes_.handle_end(*end, now);
-    }
+  };
+  diagnose_others();
+  while (const auto end = parts_.line.take_end(now)) {
+    outcomes_.handle_end(*end, now);
+    diagnose_others();
   }
   while (const auto fault = parts_.line.take_fault()) {
     if (fault == LineFault::framing_lost || fault == LineFault::driver_stalled) {
