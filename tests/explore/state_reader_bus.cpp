@@ -222,8 +222,9 @@ void StateReader::read(const bus::DeviceHealth& health, const drive::DeviceTimin
 void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing, Hash& hash) {
   // What was learned is forgotten by the minute, which no small world lives: while_began,
   // learned_at, longest_before, shortest_before.
-  const auto& [unanswered, pending, suspected_now, held_until, pace, heard_at, tails, silent,
-               rests_until, rested_at, answered, was_sudden, seconds, clean, longest_second] = hold;
+  const auto& [unanswered, pending, asks_again, suspected_now, held_until, pace, heard_at, tails,
+               silent, rests_until, rested_at, answered, was_sudden, seconds, clean,
+               longest_second] = hold;
   const auto& [longest_answer, longest_before, shortest_answer, shortest_before, while_began,
                learned, learned_at] = pace;
   require(longest_before == Duration{0}, "a short life");
@@ -241,18 +242,15 @@ void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing,
     hash.add(was_replaced);
     hash.add(suspected);
   }
-  hash.add(pending.has_value());
-  if (pending) {
-    hash.add(pending->pdu().bytes());
-  }
+  hash.add(pending ? pending->pdu().bytes() : modbus::Bytes());
+  hash.add(asks_again);
   hash.add(suspected_now);
   hash.add(held_until.has_value());
   hash.until(held_until.value_or(hash.now()));
   hash.since(held_until.value_or(hash.now()), kFarPast);  // what it has waited for
   hash.since(heard_at, kFarPast);
   hash.add(tails);
-  hash.since(silent[0], kFarPast);
-  hash.since(silent[1], kFarPast);
+  std::ranges::for_each(silent, [&](Instant sent) { hash.since(sent, kFarPast); });
   hash.until(rests_until);
   hash.since(rested_at, kFarPast);
   hash.add(answered.size());

@@ -20,10 +20,10 @@ std::array<std::string, kAddresses> names_of(std::span<const drive::Device> devi
 }  // namespace
 
 // A probe is over soon; but a write that a device which is back carries out waits for its answer.
-TimesInForce DeviceEntry::in_force(const modbus::Request& request, bool is_stop) const {
+TimesInForce DeviceEntry::in_force(const modbus::Request& request, bool hurries) const {
   TimesInForce found{device->timing_of(request)};
   Duration& timeout = found.timing.response_timeout;
-  if (health.is_offline() && (request.is_read() || is_stop)) {
+  if (hurries) {
     const Duration usual = std::exchange(timeout, found.timing.probe_timeout_or_default());
     found.hurried_by = std::max(usual - timeout, Duration{0});
   }

@@ -83,9 +83,10 @@ struct DeviceEntry {
   /// And the last stop, if it was given up and no write was acknowledged since.
   std::optional<FailedStop> failed_stop;
 
-  /// The times in force for the device, and for one request to it.
+  /// The times in force for the device, and for one request to it, which is a probe or a stop to an
+  /// offline device if it `hurries`.
   [[nodiscard]] const drive::DeviceTiming& in_force() const { return device->timing; }
-  [[nodiscard]] TimesInForce in_force(const modbus::Request& request, bool is_stop) const;
+  [[nodiscard]] TimesInForce in_force(const modbus::Request& request, bool hurries) const;
   /// No [[device]] has this address, and nobody was ever heard there.
   [[nodiscard]] bool is_unknown() const {
     return device->name.empty() && health.state() == DeviceState::not_asked;

@@ -49,13 +49,18 @@ std::vector<Hold::Unanswered>::iterator Hold::find(modbus::Bytes response) {
 void Hold::note_answered(const Sent& sent, modbus::Bytes response, Duration took, Instant now,
                          const Timing& timing) {
   settle(now, timing);
+  if (asks_again_) {
+    unanswered_.clear();
+    held_until_.reset();
+  }
   const Instant oldest = oldest_unanswered(sent.sent);
   const auto earlier = find(response);
   // A device that answers this one at once, and nothing else, has no queue: it owes no more than
   // before.
-  const bool has_no_queue = earlier == unanswered_.end() &&
-                            took * kFastPart < timing.response_timeout && held_until_ &&
-                            !unanswered_.empty() && unanswered_.back().sent < *held_until_;
+  const bool had_its_time = sent.is_probe || (held_until_ && !unanswered_.empty() &&
+                                              unanswered_.back().sent < *held_until_);
+  const bool has_no_queue =
+      earlier == unanswered_.end() && had_its_time && took * kFastPart < timing.response_timeout;
   Duration since_earlier{0};
   if (earlier != unanswered_.end()) {
     since_earlier = earlier->is_unreadable ? Duration{0} : sent.sent - earlier->sent;
@@ -106,15 +111,15 @@ void Hold::hold_for_rest(Instant oldest_sent, Instant now, const Timing& timing)
   }
 }
 
-void Hold::note_asked(const modbus::Request* asked, Instant now, const Timing& timing,
-                      Forgets forgets) {
+void Hold::note_asked(const modbus::Request* asked, Instant now, const Timing& timing, Asks asks) {
   settle(now, timing);
   const bool is_held = held_until_ && now < *held_until_;
-  std::erase_if(unanswered_, [&](const Unanswered& it) {
-    const bool is_same = asked != nullptr && it.asked.pdu() == asked->pdu();
-    const bool is_forgotten = forgets == Forgets::all || (forgets == Forgets::same && is_same);
-    return is_forgotten && it.is_over && !is_held;
-  });
+  if (asks == Asks::renewing && asked != nullptr && !is_held) {
+    std::erase_if(unanswered_, [&](const Unanswered& it) {
+      return it.is_over && it.asked.pdu() == asked->pdu();
+    });
+  }
+  asks_again_ = asks == Asks::again;
   pending_.reset();
   suspected_ = Duration{0};
   if (asked != nullptr) {
@@ -244,7 +249,7 @@ OwedAnswers Hold::owed(const modbus::Request& next, Instant first_sent, Instant 
     owed.push_back({answered_.back().asked, false});
   }
   for (const Unanswered& it : unanswered_) {
-    if (it.asked.function() == next.function()) {
+    if (!asks_again_ && it.asked.function() == next.function()) {
       const bool is_own = it.sent >= first_sent && !it.is_outdated && it.asked.pdu() == next.pdu();
       owed.push_back({it.asked, is_own});
     }

@@ -49,6 +49,7 @@ class Hold {
     Instant due;
     bool is_retry = false;
     bool may_be_answered = false;  ///< what came may be its answer, or its echo
+    bool is_probe = false;
   };
   /// No answer came to it.
   void note_unanswered(const Sent& sent) { add(sent, false); }
@@ -62,10 +63,11 @@ class Hold {
   void note_answered(const Sent& sent, modbus::Bytes response, Duration took, Instant now,
                      const Timing& timing);
   /// A request is sent to the device, and is open from now on; nullptr: nothing ever answers it.
-  /// What an offline device was asked before, it may have lost: `all` of it, since nothing has come
-  /// for a whole interval of probes; for a stop, which waits for nothing, only the `same` request.
-  enum class Forgets { nothing, same, all };
-  void note_asked(const modbus::Request* asked, Instant now, const Timing& timing, Forgets forgets);
+  /// An offline device may have lost what it was asked before. A stop, which waits for nothing,
+  /// *renews* the same request. If a probe brought a frame that may be an older answer, the device
+  /// is asked *again* at once: an answer as quick as that shows that it owes nothing else.
+  enum class Asks { usually, renewing, again };
+  void note_asked(const modbus::Request* asked, Instant now, const Timing& timing, Asks asks);
   /// A write is sent to the device. From now on the answer to another one, sent before it, no
   /// longer proves that that one, sent once more, was carried out. After a stop this is so only for
   /// writes whose answer looks like its own.
@@ -136,6 +138,7 @@ class Hold {
 
   std::vector<Unanswered> unanswered_;      // oldest first, without the one on the wire
   std::optional<modbus::Request> pending_;  // that one
+  bool asks_again_ = false;                 // with it
   Duration suspected_{0};                   // as in Unanswered, of that one
   std::optional<Instant> held_until_;       // the device may owe more than was counted
   AnswerPace pace_;

@@ -58,10 +58,10 @@ void Probes::note_released(Job& job, Instant at) {
 }
 
 void Probes::note_unanswered(const Transmission& probe, Instant now) {
-  if (!probe.is_probe) {
-    return;
-  }
   DeviceEntry& entry = devices_[probe.on_wire().address];
+  if (!probe.is_probe || !entry.health.is_offline()) {
+    return;  // the device was heard meanwhile
+  }
   entry.health.set_probe_at(probe.last_sent + entry.in_force().probe_interval);
   // A shorter one that went while nobody else asked leaves the share of a longer one.
   const Duration took = now - probe.last_sent;

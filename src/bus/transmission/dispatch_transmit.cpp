@@ -74,16 +74,18 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
   parts_.actions.push(std::move(frame));
 }
 
-void Dispatch::note_asked(const Transaction& sent, JobClass job_class, Instant now) {
+void Dispatch::note_asked(const Transmission& transmission, Instant now) {
+  const Transaction& sent = transmission.on_wire();
   DeviceEntry& entry = parts_.devices[sent.address];
   const bool is_silent = sent.may_stay_silent();
-  const auto forgets = !entry.health.is_offline()    ? Hold::Forgets::nothing
-                       : job_class == JobClass::stop ? Hold::Forgets::same
-                                                     : Hold::Forgets::all;
-  entry.hold.note_asked(is_silent ? nullptr : &sent.request, now, entry.in_force(), forgets);
+  const bool is_renewing = entry.health.is_offline() && transmission.is_stop();
+  const auto asks = transmission.is_probe && transmission.tries > 0 ? Hold::Asks::again
+                    : is_renewing                                   ? Hold::Asks::renewing
+                                                                    : Hold::Asks::usually;
+  entry.hold.note_asked(is_silent ? nullptr : &sent.request, now, entry.in_force(), asks);
   entry.asked_at = now;
   if (!sent.request.is_read()) {
-    entry.hold.note_written(sent.request, job_class == JobClass::stop);
+    entry.hold.note_written(sent.request, transmission.is_stop());
   }
   if (!is_silent) {
     parts_.adapter.note_request();
@@ -102,13 +104,17 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
     parts_.devices.note_written(sent);
   } else {
     ++entry.counters.transmissions;
-    const TimesInForce times = entry.in_force(sent.request, transmission.is_stop());
+    const bool is_offline = entry.health.is_offline();
+    const bool is_asked_again = transmission.is_probe && transmission.tries > 0;
+    transmission.is_probe = !transmission.is_stop() && (is_offline || is_asked_again);
+    const TimesInForce times = entry.in_force(
+        sent.request,
+        transmission.is_stop() ? is_offline : transmission.is_probe && sent.request.is_read());
     timing = times.timing;
     transmission.hurried_by = times.hurried_by;
     sent.boot_time = entry.device->silent_after(sent.request);
-    transmission.is_probe = entry.health.is_offline() && !transmission.is_stop();
     counters.probes += transmission.is_probe ? 1U : 0U;
-    note_asked(sent, job.job_class, now);
+    note_asked(transmission, now);
   }
   parts_.devices.note_reconfiguring(sent);
   if (transmission.is_stop() && transmission.tries == 0) {

@@ -44,48 +44,6 @@ TEST_F(BusOffline, RequestsAreRefusedAtOnceButOneNowAndThenIsTheProbe) {
   EXPECT_EQ(bus_->counters().probes, 1U);
 }
 
-TEST_F(BusOffline, OneResponseBringsItBack) {
-  open(breaking());
-  lose_device();
-  advance(2s);
-  submit(job(kRead));
-  advance(20ms);
-  line(kAnswer);
-  EXPECT_THAT(notices_, ElementsAre(Kind::lost, Kind::back));
-  EXPECT_FALSE(bus_->devices()[1].health.is_offline());
-  advance(200ms);
-  submit(job(kRead));
-  submit(job_of(1, kRead));
-  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
-}
-
-TEST_F(BusOffline, WhatFollowsTheProbeInItsJobIsRepeatedAsEver) {
-  auto retrying = breaking();
-  open(retrying);
-  lose_device();
-  retrying.timing.retries = 1;
-  update(retrying, {});
-  advance(2s);
-  bus::Job& both = job(kRead);
-  add(both, kRead);
-  submit(both);
-  advance(20ms);
-  line(kAnswer);
-  advance(500ms);
-  EXPECT_THAT(frames_, SizeIs(3));
-}
-
-TEST_F(BusOffline, AnAnswerThatComesAfterTheProbesTimeBringsItBackToo) {
-  open(breaking());
-  lose_device();
-  advance(2s);
-  submit(job(kRead));
-  advance(70ms);
-  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
-  line(kAnswer);
-  EXPECT_FALSE(bus_->devices()[1].health.is_offline());
-}
-
 TEST_F(BusOffline, ProbesTakeTheirShareOfTheTimeAndNoMore) {
   open(scarce());
   lose_device();

@@ -46,9 +46,8 @@ class Health : public testing::Test {
   auto late(const std::vector<std::uint8_t>& response, bus::Duration came) {
     return hold_.note_late(response, at(came), timing_);
   }
-  void asked(bus::Duration time, bool is_probe = false) {
-    using enum bus::Hold::Forgets;
-    hold_.note_asked(nullptr, at(time), timing_, is_probe ? all : nothing);
+  void asked(bus::Duration time) {
+    hold_.note_asked(nullptr, at(time), timing_, bus::Hold::Asks::usually);
   }
   [[nodiscard]] std::size_t owed(const modbus::Request& next) const {
     return hold_.owed(next, Instant::max(), at(0ms), timing_).size();

@@ -50,5 +50,31 @@ TEST_F(Health, OneWhoseFirstAnswerWasDamagedIsFast) {
   EXPECT_TRUE(may_be_asked(write_, 1050ms));
 }
 
+TEST_F(Health, ADeviceThatAnswersAProbeOnceMoreAtOnceOwesNothingElse) {
+  unanswered(read_, 100ms);
+  unanswered(read_, 2100ms);
+  hold_.note_asked(&read_, at(4s), timing_, bus::Hold::Asks::usually);
+  ASSERT_TRUE(late(kAnswer, 4010ms));
+  unanswered(read_, 4100ms);
+  hold_.note_asked(&read_, at(4110ms), timing_, bus::Hold::Asks::again);
+  EXPECT_EQ(owed(read_), 0U);
+  EXPECT_FALSE(may_be_asked(13s));
+  answered(read_, kAnswer, 4210ms, 10ms);
+  EXPECT_TRUE(may_be_asked(4120ms));
+}
+
+TEST_F(Health, ADeviceThatDoesNotIsHeldForWhatItOwes) {
+  unanswered(read_, 100ms);
+  unanswered(read_, 2100ms);
+  hold_.note_asked(&read_, at(4s), timing_, bus::Hold::Asks::usually);
+  ASSERT_TRUE(late(kAnswer, 4010ms));
+  unanswered(read_, 4100ms);
+  hold_.note_asked(&read_, at(4110ms), timing_, bus::Hold::Asks::again);
+  unanswered(read_, 4210ms);
+  EXPECT_FALSE(may_be_asked(13s));
+  asked(13s);
+  EXPECT_EQ(owed(read_), 2U);
+}
+
 }  // namespace
 }  // namespace mbgate::test

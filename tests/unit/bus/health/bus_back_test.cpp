@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Devices that were offline, and are back.
+#include "offline_rig.hpp"
+
+namespace mbgate::test {
+namespace {
+
+using Kind = bus::DeviceNotice::Kind;
+
+TEST_F(BusOffline, OneResponseBringsItBack) {
+  open(breaking());
+  lose_device();
+  advance(2s);
+  submit(job(kRead));
+  advance(20ms);
+  line(kAnswer);
+  EXPECT_THAT(notices_, ElementsAre(Kind::lost, Kind::back));
+  EXPECT_FALSE(bus_->devices()[1].health.is_offline());
+  advance(60ms);  // that may have answered what it was asked before: it is asked once more
+  EXPECT_THAT(endings_, IsEmpty());
+  line(kAnswer);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  advance(200ms);
+  submit(job(kRead));
+  submit(job_of(1, kRead));
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
+TEST_F(BusOffline, ASlowAnswerToAnEarlierRequestIsNotThatToTheProbe) {
+  open(breaking());
+  lose_device();
+  advance(2s);
+  submit(job(kRead));
+  advance(20ms);
+  line(kAnswer);
+  advance(200ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  EXPECT_THAT(frames_, SizeIs(2));
+}
+
+TEST_F(BusOffline, WhatFollowsTheProbeInItsJobIsRepeatedAsEver) {
+  auto retrying = breaking();
+  open(retrying);
+  lose_device();
+  retrying.timing.retries = 1;
+  update(retrying, {});
+  advance(2s);
+  bus::Job& both = job(kRead);
+  add(both, kRead);
+  submit(both);
+  advance(20ms);
+  line(kAnswer);
+  advance(60ms);
+  line(kAnswer);
+  advance(500ms);
+  EXPECT_THAT(frames_, SizeIs(4));
+}
+
+TEST_F(BusOffline, AnAnswerThatComesAfterTheProbesTimeBringsItBackToo) {
+  open(breaking());
+  lose_device();
+  advance(2s);
+  submit(job(kRead));
+  advance(70ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  line(kAnswer);
+  EXPECT_FALSE(bus_->devices()[1].health.is_offline());
+}
+
+}  // namespace
+}  // namespace mbgate::test
