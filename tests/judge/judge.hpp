@@ -128,11 +128,11 @@ class Judge : public Witness {
   std::unordered_map<Id, Duration> waits_;  ///< by transmission: the longest for its answer
   /// By host and station: connections that have asked it; were they answered?
   std::map<std::pair<unsigned, std::size_t>, std::map<Id, bool>> askers_;
-  std::map<std::size_t, std::map<unsigned, unsigned>>
-      wrote_;  ///< by station and host: in which process
+  std::map<std::size_t, std::map<unsigned, unsigned>> wrote_;  ///< process by station and host
   bool has_broadcast_ = false;
   /// Stations of which an answer later than ever has taken the place of another, and so on.
   std::set<std::size_t> slipped_;
+  std::map<std::size_t, Instant> came_at_;   ///< by station: its last answer
   std::map<std::size_t, Share> shares_;      ///< by bus
   std::unordered_map<Id, Instant> misfits_;  ///< by transmission
 };

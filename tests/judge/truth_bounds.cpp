@@ -36,14 +36,16 @@ bool Judge::is_beyond_its_tail(const Came& came) const {
          (was_killed && came.at > ledger_.lines[sent.bus].opened + *listens);
 }
 
-// It ends with an answer to what was sent last.
+// It ends with an answer to what was sent last, if that comes alone.
 void Judge::note_slip(const Came& came) {
   const std::size_t at = *ledger_.sent[came.answers].station;
+  const auto& last = ledger_.last_sent[at];
   if (is_beyond_its_tail(came)) {
     slipped_.insert(at);
-  } else if (!ledger_.last_sent[at].empty() && ledger_.last_sent[at].back() == came.answers) {
+  } else if (!last.empty() && last.back() == came.answers && came_at_[at] < came.at) {
     slipped_.erase(at);
   }
+  came_at_[at] = came.at;
 }
 
 void Judge::note_share(const Asked& asked) {
