@@ -112,7 +112,6 @@ void drill_lateness(Drill& drill, bool trace) {
 
 // While an answer may still come, the drive is left alone; and no longer.
 void drill_hold(Drill& drill, bool trace) {
-  constexpr Duration kKeeps = 20ms;  // an adapter
   drive::DeviceTiming& timing = drill.timing(0);
   timing.offline_after = 0;
   timing.retries = 0;
@@ -127,18 +126,17 @@ void drill_hold(Drill& drill, bool trace) {
   drill.wait(drill.longest(0));
   drill.expect("held_back", drill.device(0).held_back > 0ms);
   const Id next = drill.read(client, 0, 2s, 5);
-  const auto sent = drill.transmissions();
-  drill.equal("transmissions", sent.size(), std::size_t{2});
+  drill.equal("transmissions", drill.transmissions().size(), std::size_t{2});
   const Sent first = drill.ledger().sent[0];
   const Instant due = first.end + timing.response_wait + timing.response_timeout;
-  const Duration until = *timing.quarantine + kKeeps;
+  const Duration until = *timing.quarantine + 20ms;  // an adapter may keep it
   drill.between("held", drill.ledger().sent[1].begin - due, until, until + kSoon);
   drill.expect("answered", drill.outcome(next) == "ok", drill.outcome(next));
   drill.read(client, 0, 1ms, 6);
   drill.read(client, 0, 1s, 7);
   const Sent& before = drill.ledger().sent[2];
   drill.between("not_held", drill.ledger().sent[3].begin - before.answered, 0ms,
-                silence_of(drill.plan().bus(0)) + drill.plan().bus(0).settle + 25ms);
+                silence_of(drill.plan().bus(0)) + drill.plan().bus(0).settle + 40ms);
   drill.wait(4s);
   drill.expect("idle_closed", !client.is_connected());
 }

@@ -146,11 +146,11 @@ void Judge::check_crawl(Id id) {
   const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*before.station]);
   Instant from = std::max({before.crawls, ledger_.asked[sent.asked.front()].given, ledger_.reloaded,
                            before.end + timing.response_timeout});
-  // Behind others of its connection it may have waited for its turn (`pipeline`).
+  // Behind others of its connection it may have waited for its turn (`pipeline`), till just now.
   for (Id it = 0; it < sent.asked.front(); ++it) {
     const Asked& other = ledger_.asked[it];
-    if (other.connection == ledger_.asked[sent.asked.front()].connection && other.answers > 0) {
-      from = std::max(from, other.answered);
+    if (other.connection == ledger_.asked[sent.asked.front()].connection) {
+      from = std::max(from, other.answers > 0 ? other.answered : sent.begin);
     }
   }
   // Its own drive is left alone for the tail besides, and may have shown how long that must be.
