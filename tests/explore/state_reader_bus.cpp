@@ -222,9 +222,9 @@ void StateReader::read(const bus::DeviceHealth& health, const drive::DeviceTimin
 void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing, Hash& hash) {
   // What was learned is forgotten by the minute, which no small world lives: while_began,
   // learned_at, longest_before, shortest_before.
-  const auto& [unanswered, pending, asks_again, suspected_now, held_until, pace, heard_at, tails,
-               silent, rests_until, rested_at, answered, was_sudden, seconds, clean,
-               longest_second] = hold;
+  const auto& [unanswered, pending, is_doubtful, is_decisive, suspected_now, held_until, pace,
+               heard_at, tails, silent, rests_until, rested_at, answered, was_sudden, seconds,
+               clean, longest_second] = hold;
   const auto& [longest_answer, longest_before, shortest_answer, shortest_before, while_began,
                learned, learned_at] = pace;
   require(longest_before == Duration{0}, "a short life");
@@ -243,7 +243,7 @@ void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing,
     hash.add(suspected);
   }
   hash.add(pending ? pending->pdu().bytes() : modbus::Bytes());
-  hash.add(asks_again);
+  hash.add(is_doubtful ? 2U : unsigned{is_decisive});
   hash.add(suspected_now);
   hash.add(held_until.has_value());
   hash.until(held_until.value_or(hash.now()));

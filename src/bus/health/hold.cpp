@@ -49,9 +49,11 @@ std::vector<Hold::Unanswered>::iterator Hold::find(modbus::Bytes response) {
 void Hold::note_answered(const Sent& sent, modbus::Bytes response, Duration took, Instant now,
                          const Timing& timing) {
   settle(now, timing);
-  if (asks_again_) {
+  if (is_decisive_) {
     unanswered_.clear();
     held_until_.reset();
+    tails_ = 0;
+    rests_until_ = Instant::min();
   }
   const Instant oldest = oldest_unanswered(sent.sent);
   const auto earlier = find(response);
@@ -111,20 +113,24 @@ void Hold::hold_for_rest(Instant oldest_sent, Instant now, const Timing& timing)
   }
 }
 
-void Hold::note_asked(const modbus::Request* asked, Instant now, const Timing& timing, Asks asks) {
+bool Hold::note_asked(const modbus::Request* asked, Instant now, const Timing& timing,
+                      bool forgets) {
   settle(now, timing);
   const bool is_held = held_until_ && now < *held_until_;
-  if (asks == Asks::renewing && asked != nullptr && !is_held) {
+  if (forgets && asked != nullptr && !is_held) {
     std::erase_if(unanswered_, [&](const Unanswered& it) {
       return it.is_over && it.asked.pdu() == asked->pdu();
     });
   }
-  asks_again_ = asks == Asks::again;
+  is_doubtful_ = is_doubtful_ && !unanswered_.empty();
+  is_decisive_ = is_doubtful_ && asked != nullptr && asked->is_read();
+  is_doubtful_ = is_doubtful_ && !is_decisive_;
   pending_.reset();
   suspected_ = Duration{0};
   if (asked != nullptr) {
     pending_ = *asked;
   }
+  return is_decisive_;
 }
 
 // What is not remembered any more: the tail is over, and the device had its time.
@@ -173,7 +179,7 @@ void Hold::note_written(const modbus::Request& write, bool is_stop) {
 }
 
 std::optional<Hold::Late> Hold::note_late(modbus::Bytes response, Instant came,
-                                          const Timing& timing) {
+                                          const Timing& timing, bool was_offline) {
   settle(came, timing, true);  // it may have come a while ago, when the device was held
   const auto found = find(response);
   if (found == unanswered_.end()) {
@@ -205,6 +211,7 @@ std::optional<Hold::Late> Hold::note_late(modbus::Bytes response, Instant came,
     const Duration took = late.lateness + timing.response_timeout;
     pace_.note_answer(took, took, came);
   }
+  is_doubtful_ = is_doubtful_ || (was_offline && pending_);
   heard_at_ = came;
   close(found, came, timing);
   settle(came, timing);
@@ -249,7 +256,7 @@ OwedAnswers Hold::owed(const modbus::Request& next, Instant first_sent, Instant 
     owed.push_back({answered_.back().asked, false});
   }
   for (const Unanswered& it : unanswered_) {
-    if (!asks_again_ && it.asked.function() == next.function()) {
+    if (!is_decisive_ && it.asked.function() == next.function()) {
       const bool is_own = it.sent >= first_sent && !it.is_outdated && it.asked.pdu() == next.pdu();
       owed.push_back({it.asked, is_own});
     }
@@ -270,11 +277,12 @@ Instant Hold::end_of_tails(const Timing& timing, Predicate holds) const {
   return std::max(until, end_of_seconds(timing));
 }
 
-Instant Hold::until(std::uint8_t function, const Timing& timing) const {
+Instant Hold::until(const modbus::Request& next, const Timing& timing) const {
+  const bool is_decisive = is_doubtful_ && next.is_read();
   const bool is_fast = !unanswered_.empty() && heard_at_ > unanswered_.back().sent &&
                        pace_.longest_answer() * kFastPart < timing.response_timeout;
-  const auto is_same = [&](const Unanswered& it) { return it.asked.function() == function; };
-  if (is_fast && std::ranges::none_of(unanswered_, is_same)) {
+  const auto is_same = [&](const Unanswered& it) { return it.asked.function() == next.function(); };
+  if (is_decisive || (is_fast && std::ranges::none_of(unanswered_, is_same))) {
     return end_of_seconds(timing);
   }
   return end_of_tails(timing,

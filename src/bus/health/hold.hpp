@@ -49,7 +49,7 @@ class Hold {
     Instant due;
     bool is_retry = false;
     bool may_be_answered = false;  ///< what came may be its answer, or its echo
-    bool is_probe = false;
+    bool is_probe = false;         ///< its response timeout is short
   };
   /// No answer came to it.
   void note_unanswered(const Sent& sent) { add(sent, false); }
@@ -63,11 +63,9 @@ class Hold {
   void note_answered(const Sent& sent, modbus::Bytes response, Duration took, Instant now,
                      const Timing& timing);
   /// A request is sent to the device, and is open from now on; nullptr: nothing ever answers it.
-  /// An offline device may have lost what it was asked before. A stop, which waits for nothing,
-  /// *renews* the same request. If a probe brought a frame that may be an older answer, the device
-  /// is asked *again* at once: an answer as quick as that shows that it owes nothing else.
-  enum class Asks { usually, renewing, again };
-  void note_asked(const modbus::Request* asked, Instant now, const Timing& timing, Asks asks);
+  /// `forgets`: an offline device may have lost the same request that it was sent before. Returns
+  /// whether an answer within a probe's time will show that the device owes nothing else.
+  bool note_asked(const modbus::Request* asked, Instant now, const Timing& timing, bool forgets);
   /// A write is sent to the device. From now on the answer to another one, sent before it, no
   /// longer proves that that one, sent once more, was carried out. After a stop this is so only for
   /// writes whose answer looks like its own.
@@ -79,8 +77,10 @@ class Hold {
     Duration shown;  ///< lateness of what was probably answered, the first try of a request
   };
   /// An unexpected frame of the device has come: the answer to the oldest unanswered transmission
-  /// that it fits. Nothing if there is none.
-  std::optional<Late> note_late(modbus::Bytes response, Instant came, const Timing& timing);
+  /// that it fits. Nothing if there is none. If the device was offline and was probed just then, it
+  /// may be the answer to the probe. The next read shows that, and need not wait for what is owed.
+  std::optional<Late> note_late(modbus::Bytes response, Instant came, const Timing& timing,
+                                bool was_offline);
   /// Such a frame, which is no late answer, is a second answer to a request that was answered less
   /// than a response timeout ago. False: it is not.
   bool note_second(modbus::Bytes response, Instant came, const Timing& timing);
@@ -92,9 +92,9 @@ class Hold {
   /// were sent at `first_sent` or later are its own earlier tries.
   [[nodiscard]] OwedAnswers owed(const modbus::Request& next, Instant first_sent, Instant now,
                                  const Timing& timing) const;
-  /// The earliest instant at which a request with this function code may be sent to the device. A
-  /// stop, and the same read once more, need not wait.
-  [[nodiscard]] Instant until(std::uint8_t function, const Timing& timing) const;
+  /// The earliest instant at which this request may be sent to the device. A stop, and the same
+  /// read once more, need not wait.
+  [[nodiscard]] Instant until(const modbus::Request& next, const Timing& timing) const;
   /// The instant from which on any request may be sent.
   [[nodiscard]] Instant until(const Timing& timing) const;
   /// The end of the tail of a transmission that was due then.
@@ -138,7 +138,8 @@ class Hold {
 
   std::vector<Unanswered> unanswered_;      // oldest first, without the one on the wire
   std::optional<modbus::Request> pending_;  // that one
-  bool asks_again_ = false;                 // with it
+  bool is_doubtful_ = false;                // what is owed, since a probe brought something
+  bool is_decisive_ = false;                // the answer to the one on the wire ends the doubt
   Duration suspected_{0};                   // as in Unanswered, of that one
   std::optional<Instant> held_until_;       // the device may owe more than was counted
   AnswerPace pace_;

@@ -187,10 +187,10 @@ void LineDiagnosis::note_unsolicited(const UnsolicitedFrame& unsolicited) {
     }
     return;
   }
-  const auto late =
-      unsolicited.is_response
-          ? entry.hold.note_late(unsolicited.pdu.bytes(), unsolicited.came, entry.in_force())
-          : std::optional<Hold::Late>();
+  const auto late = unsolicited.is_response
+                        ? entry.hold.note_late(unsolicited.pdu.bytes(), unsolicited.came,
+                                               entry.in_force(), entry.health.is_offline())
+                        : std::optional<Hold::Late>();
   if (!late) {
     if (!note_second_answer(unsolicited) && !note_misfit(unsolicited)) {
       note_foreign(unsolicited);
@@ -237,14 +237,13 @@ bool LineDiagnosis::note_second_answer(const UnsolicitedFrame& unsolicited) {
 
 // It stands in the place of the answer to what the device is asked, and does not fit it.
 bool LineDiagnosis::note_misfit(const UnsolicitedFrame& unsolicited) {
-  const std::uint8_t address = unsolicited.address;
   SerialDiscipline* line = parts_.line.serial();  // a connection's identifiers tell answers apart
-  const Transmission* asked = asked_of(parts_, address);
+  const Transmission* asked = asked_of(parts_, unsolicited.address);
   if (line == nullptr || unsolicited.after_noise || unsolicited.is_request || asked == nullptr ||
       unsolicited.came < asked->last_sent || is_own(parts_, unsolicited)) {
     return false;
   }
-  DeviceEntry& entry = parts_.devices[address];
+  DeviceEntry& entry = parts_.devices[unsolicited.address];
   entry.note_heard();
   // A stop with another value is none; it may be the late echo of another stop.
   if (!asked->is_stop() &&
@@ -253,7 +252,7 @@ bool LineDiagnosis::note_misfit(const UnsolicitedFrame& unsolicited) {
     return true;
   }
   if (!std::exchange(entry.misfit_reported, true)) {
-    notify(DeviceNotice::Kind::misfit, address);
+    notify(DeviceNotice::Kind::misfit, unsolicited.address);
   }
   const bool is_read = asked->on_wire().request.is_read();
   line->take_misfit(unsolicited.pdu, unsolicited.came + parts_.settings.frame_slack_or_default() +

@@ -14,14 +14,13 @@ Instant held_until(const Parts& parts, const Job& job) {
   const DeviceEntry& entry = parts.devices[transaction.address];
   const bool repeats_read = job.leads != nullptr && job.leads->tries > 0 && next == job.current &&
                             transaction.request.is_read();
-  const std::uint8_t function = transaction.request.function();
   const Duration recently = parts.settings.timing.probe_interval;
   const Instant free =
       entry.is_silent() && !transaction.is_broadcast()
           ? std::max(entry.free_at, parts.payback.until(transaction.address, recently))
           : entry.free_at;
   return parts.quarantines() && !repeats_read
-             ? std::max(free, entry.hold.until(function, entry.in_force()))
+             ? std::max(free, entry.hold.until(transaction.request, entry.in_force()))
              : free;
 }
 

@@ -54,7 +54,7 @@ class Dispatch {
   void transmit(Transmission& transmission, Instant now);
   void skip_known_settings(Transmission& transmission) const;
   void check_allowed(const Transmission& transmission, Instant now) const;
-  void note_asked(const Transmission& transmission, Instant now);
+  bool note_asked(const Transmission& transmission, Instant now);
   drive::DeviceTiming note_transmission(Transmission& transmission, Instant now);
 
   Parts& parts_;

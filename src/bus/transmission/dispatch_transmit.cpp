@@ -74,15 +74,14 @@ void Dispatch::transmit(Transmission& transmission, Instant now) {
   parts_.actions.push(std::move(frame));
 }
 
-void Dispatch::note_asked(const Transmission& transmission, Instant now) {
+// True: its answer tells whether the device owes anything.
+bool Dispatch::note_asked(const Transmission& transmission, Instant now) {
   const Transaction& sent = transmission.on_wire();
   DeviceEntry& entry = parts_.devices[sent.address];
   const bool is_silent = sent.may_stay_silent();
-  const bool is_renewing = entry.health.is_offline() && transmission.is_stop();
-  const auto asks = transmission.is_probe && transmission.tries > 0 ? Hold::Asks::again
-                    : is_renewing                                   ? Hold::Asks::renewing
-                                                                    : Hold::Asks::usually;
-  entry.hold.note_asked(is_silent ? nullptr : &sent.request, now, entry.in_force(), asks);
+  const bool is_decisive =
+      entry.hold.note_asked(is_silent ? nullptr : &sent.request, now, entry.in_force(),
+                            transmission.is_stop() && entry.health.is_offline());
   entry.asked_at = now;
   if (!sent.request.is_read()) {
     entry.hold.note_written(sent.request, transmission.is_stop());
@@ -90,6 +89,7 @@ void Dispatch::note_asked(const Transmission& transmission, Instant now) {
   if (!is_silent) {
     parts_.adapter.note_request();
   }
+  return is_decisive;
 }
 
 // Keeps the books of it; returns the times that hold for it.
@@ -104,17 +104,16 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
     parts_.devices.note_written(sent);
   } else {
     ++entry.counters.transmissions;
+    const bool is_decisive = note_asked(transmission, now);
     const bool is_offline = entry.health.is_offline();
-    const bool is_asked_again = transmission.is_probe && transmission.tries > 0;
-    transmission.is_probe = !transmission.is_stop() && (is_offline || is_asked_again);
-    const TimesInForce times = entry.in_force(
-        sent.request,
-        transmission.is_stop() ? is_offline : transmission.is_probe && sent.request.is_read());
+    transmission.is_probe = !transmission.is_stop() && (is_offline || is_decisive);
+    const bool hurries =
+        transmission.is_stop() ? is_offline : transmission.is_probe && sent.request.is_read();
+    const TimesInForce times = entry.in_force(sent.request, hurries);
     timing = times.timing;
     transmission.hurried_by = times.hurried_by;
     sent.boot_time = entry.device->silent_after(sent.request);
     counters.probes += transmission.is_probe ? 1U : 0U;
-    note_asked(transmission, now);
   }
   parts_.devices.note_reconfiguring(sent);
   if (transmission.is_stop() && transmission.tries == 0) {

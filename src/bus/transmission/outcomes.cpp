@@ -173,9 +173,8 @@ void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, In
   entry.stop_unanswered = entry.stop_unanswered || transmission.is_stop();
   // For a stop: it is neither answered nor unanswered. Stops that cut each other short are.
   const bool is_cut = now + transmission.hurried_by < end.due && !transmission.is_stop();
-  // It has brought an answer, which may be that to an earlier transmission.
-  const bool has_brought_back = transmission.is_probe && !entry.health.is_offline();
-  if (is_cut || has_brought_back) {
+  // A probe that has brought an answer is not unanswered, though that may be another one's.
+  if (is_cut || (transmission.is_probe && !entry.health.is_offline())) {
     parts_.probes.note_unanswered(transmission, now);
   } else if (!end.may_be_echo) {
     note_unanswered(transmission, end.due, now);
@@ -209,11 +208,9 @@ void Outcomes::handle_failure(Transmission& transmission, Instant now) {
     return;
   }
   const Transaction& own = transmission.leader->transaction();
-  // A probe after which the device is not offline has brought a late answer.
   const bool may_repeat =
       (own.request.is_read() || entry.in_force().retry_writes) && !entry.health.is_offline();
-  const unsigned retries = std::max(entry.in_force().retries, transmission.is_probe ? 1U : 0U);
-  if (may_repeat && transmission.tries <= retries) {
+  if (may_repeat && transmission.tries <= entry.in_force().retries) {
     return;
   }
   ends_.finish(transmission, Ending::no_answer);

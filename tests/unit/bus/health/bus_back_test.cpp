@@ -16,19 +16,23 @@ TEST_F(BusOffline, OneResponseBringsItBack) {
   line(kAnswer);
   EXPECT_THAT(notices_, ElementsAre(Kind::lost, Kind::back));
   EXPECT_FALSE(bus_->devices()[1].health.is_offline());
-  advance(60ms);  // that may have answered what it was asked before: it is asked once more
-  EXPECT_THAT(endings_, IsEmpty());
+  advance(60ms);  // that may have answered what it was asked before: the next read shows it
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  submit(job(kRead));
   line(kAnswer);
-  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
   advance(200ms);
   submit(job(kRead));
   submit(job_of(1, kRead));
-  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  EXPECT_THAT(endings_, SizeIs(2));
 }
 
-TEST_F(BusOffline, ASlowAnswerToAnEarlierRequestIsNotThatToTheProbe) {
-  open(breaking());
+TEST_F(BusOffline, AProbeWithALateAnswerIsRepeatedOnceForAShortTime) {
+  auto retrying = breaking();
+  open(retrying);
   lose_device();
+  retrying.timing.retries = 1;
+  update(retrying, {});
   advance(2s);
   submit(job(kRead));
   advance(20ms);
@@ -36,6 +40,26 @@ TEST_F(BusOffline, ASlowAnswerToAnEarlierRequestIsNotThatToTheProbe) {
   advance(200ms);
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
   EXPECT_THAT(frames_, SizeIs(2));
+}
+
+TEST_F(BusOffline, AReadShowsWhatAWriteAsTheProbeCannot) {
+  open(breaking());
+  lose_device();
+  for (int times = 0; times < 2; ++times) {
+    advance(2s);
+    submit(job("06 0000 0001"));
+    advance(20ms);
+  }
+  line("01 06 00 00 00 01 48 0A");  // of the first one, or the second
+  advance(200ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::no_answer));
+  submit(job(kRead));
+  advance(20ms);
+  line(kAnswer);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::no_answer, Ending::answered));
+  submit(job("06 0000 0001"));
+  advance(20ms);
+  EXPECT_THAT(frames_, SizeIs(4));
 }
 
 TEST_F(BusOffline, WhatFollowsTheProbeInItsJobIsRepeatedAsEver) {

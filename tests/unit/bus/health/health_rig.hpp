@@ -27,7 +27,7 @@ class Health : public testing::Test {
     return *modbus::Request::parse(*modbus::Pdu::from(unhex(pdu)));
   }
   [[nodiscard]] bool may_be_asked(const modbus::Request& asked, bus::Duration time) const {
-    return at(time) >= hold_.until(asked.function(), timing_);
+    return at(time) >= hold_.until(asked, timing_);
   }
   /// `asked`, whose response timeout of 100 ms ends at `due`, is not answered in that time. True:
   /// it is offline now.
@@ -43,12 +43,11 @@ class Health : public testing::Test {
     health_.note_answered(at(due - 100ms));
     return health_.note_heard(now);
   }
-  auto late(const std::vector<std::uint8_t>& response, bus::Duration came) {
-    return hold_.note_late(response, at(came), timing_);
+  auto late(const std::vector<std::uint8_t>& response, bus::Duration came,
+            bool was_offline = false) {
+    return hold_.note_late(response, at(came), timing_, was_offline);
   }
-  void asked(bus::Duration time) {
-    hold_.note_asked(nullptr, at(time), timing_, bus::Hold::Asks::usually);
-  }
+  void asked(bus::Duration time) { hold_.note_asked(nullptr, at(time), timing_, false); }
   [[nodiscard]] std::size_t owed(const modbus::Request& next) const {
     return hold_.owed(next, Instant::max(), at(0ms), timing_).size();
   }
