@@ -25,7 +25,6 @@
 #include "app/log.hpp"
 #include "app/recording.hpp"
 #include "app/service.hpp"
-#include "config/check_summary.hpp"
 #include "config/load.hpp"
 #include "config/text_file.hpp"
 #include "io/clients/resources.hpp"

@@ -47,7 +47,7 @@ FOLDERS = {
 }
 # Single headers beyond a module's arrows: plain data that carries no decision.
 SETTINGS = {"gateway/settings.hpp", "gateway/limits.hpp", "routing/route.hpp", "routing/client_address.hpp",
-            "routing/listen_address.hpp", "bus/settings.hpp"}
+            "bus/settings.hpp"}
 EXTRA_HEADERS = {
     "config": SETTINGS,
     "sim": {"bus/instant.hpp"},

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/configuration/route_changes.hpp"
+#include "app/changes.hpp"
 
 #include <algorithm>
 #include <bitset>
 #include <fmt/core.h>
 
-#include "config/toml/duration_text.hpp"
+#include "config/toml/toml_value.hpp"
 
 namespace mbgate::app {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/control/status_json.hpp"
+#include "app/control/control_answers.hpp"
 
 #include <boost/json/array.hpp>
 #include <boost/json/string.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/metrics/device_metrics.hpp"
+#include "app/metrics/metric_book.hpp"
 
 #include <array>
 #include <optional>

@@ -2,17 +2,17 @@
 // Metrics while they are collected, by families, for Prometheus' text format.
 #pragma once
 
-#include <prometheus/metric_family.h>
-
 #include <array>
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <prometheus/metric_family.h>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "bus/histogram.hpp"
+#include "gateway/status/status_report.hpp"
 
 namespace mbgate::app {
 
@@ -65,5 +65,10 @@ constexpr std::array kExceptionReasons = {
     ExceptionReason{0x06, "06", "not_sent"},      ExceptionReason{0x0A, "0A", "no_path"},
     ExceptionReason{0x0B, "0B", "no_answer"},
 };
+
+/// Addresses of a bus that no [[device]] names are one, "other", without an address.
+void add_devices(MetricBook& book, const gateway::StatusReport& report);
+
+void add_bus(MetricBook& book, const gateway::BusStatus& bus);
 
 }  // namespace mbgate::app

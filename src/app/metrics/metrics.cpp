@@ -7,7 +7,6 @@
 #include <map>
 #include <utility>
 
-#include "app/metrics/device_metrics.hpp"
 #include "app/metrics/metric_book.hpp"
 #include "gateway/status/diagnosis.hpp"
 

@@ -35,7 +35,7 @@
 #include <array>
 #include <cctype>
 
-#include "config/toml/duration_text.hpp"
+#include "config/toml/toml_value.hpp"
 
 namespace mbgate::config {
 namespace {

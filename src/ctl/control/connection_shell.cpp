@@ -21,7 +21,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/host_and_port.hpp"
+#include "base/text.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -6,14 +6,13 @@
 #include <fmt/core.h>
 #include <ostream>
 
-#include "config/toml/duration_text.hpp"
+#include "config/toml/toml_value.hpp"
 #include "ctl/control/control_shell.hpp"
 #include "ctl/control/event_reader.hpp"
 #include "ctl/control/screen_shell.hpp"
 #include "ctl/control/status_text.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "ctl/request/repetition.hpp"
-#include "ctl/request/report.hpp"
 #include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {

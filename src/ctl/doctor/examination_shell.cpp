@@ -6,14 +6,11 @@
 #include <utility>
 
 #include "base/text.hpp"
-#include "config/toml/duration_text.hpp"
-#include "ctl/doctor/idle_line.hpp"
-#include "ctl/doctor/line_findings.hpp"
-#include "ctl/doctor/port_facts_shell.hpp"
+#include "config/toml/toml_value.hpp"
+#include "ctl/doctor/findings.hpp"
 #include "ctl/doctor/questions_shell.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "ctl/request/repetition.hpp"
-#include "ctl/request/report.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/doctor/port_facts_shell.hpp"
+#include "ctl/doctor/findings.hpp"
 
 #include <fcntl.h>
 #include <grp.h>

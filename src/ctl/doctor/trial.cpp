@@ -5,7 +5,7 @@
 #include <iterator>
 #include <numeric>
 
-#include "ctl/doctor/bus_frames.hpp"
+#include "ctl/serial/heard.hpp"
 #include "modbus/describe.hpp"
 
 namespace mbgate::ctl {

@@ -2,7 +2,7 @@
 #include <boost/json.hpp>
 #include <string_view>
 
-#include "config/toml/duration_text.hpp"
+#include "config/toml/toml_value.hpp"
 #include "config/toml/match_entry.hpp"
 #include "ctl/profile/profile_text.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "base/text.hpp"
 #include "config/profiles/profile_library.hpp"
-#include "config/toml/duration_text.hpp"
+#include "config/toml/toml_value.hpp"
 #include "config/toml/match_entry.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "ctl/visible_text.hpp"

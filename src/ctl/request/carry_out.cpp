@@ -7,11 +7,9 @@
 #include <ostream>
 #include <string_view>
 
-#include "config/check_summary.hpp"
 #include "config/load.hpp"
 #include "ctl/request/modbus_client.hpp"
 #include "ctl/request/repetition.hpp"
-#include "ctl/request/report.hpp"
 #include "modbus/codes.hpp"
 
 namespace mbgate::ctl {

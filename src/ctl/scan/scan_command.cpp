@@ -9,7 +9,6 @@
 #include "config/profiles/profile_library.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "ctl/request/modbus_client.hpp"
-#include "ctl/request/report.hpp"
 #include "ctl/scan/scan.hpp"
 #include "ctl/scan/scan_report.hpp"
 #include "modbus/make_request.hpp"

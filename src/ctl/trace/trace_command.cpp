@@ -8,7 +8,6 @@
 #include "ctl/control/event_reader.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "ctl/request/repetition.hpp"
-#include "ctl/request/report.hpp"
 #include "ctl/trace/trace_printer.hpp"
 
 namespace mbgate::ctl {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/trace/trace_lines.hpp"
+#include "ctl/trace/trace_event.hpp"
 
 #include <ctime>
 #include <fmt/chrono.h>

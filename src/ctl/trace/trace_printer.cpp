@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "ctl/trace/trace_lines.hpp"
+#include "ctl/trace/trace_event.hpp"
 #include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {

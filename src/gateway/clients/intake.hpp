@@ -9,7 +9,7 @@
 #include <set>
 #include <utility>
 
-#include "gateway/access/access_book.hpp"
+#include "gateway/access/rule_verdict.hpp"
 #include "gateway/access/report_limit.hpp"
 #include "gateway/action.hpp"
 #include "gateway/clients/client_session.hpp"

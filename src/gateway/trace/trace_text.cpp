@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/trace/trace_text.hpp"
+#include "gateway/trace/trace_record.hpp"
 
 #include <algorithm>
 #include <fmt/core.h>
