@@ -3,6 +3,7 @@
 #pragma once
 
 #include <charconv>
+#include <chrono>
 #include <cstdint>
 #include <fmt/core.h>
 #include <functional>
@@ -21,6 +22,20 @@ inline std::string counted(std::uint64_t count, std::string_view one) {
 /// "1 bus", "2 buses".
 inline std::string counted(std::uint64_t count, std::string_view one, std::string_view many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+/// Whole units that are over: "5 s", "12 min", "3 h", "9 days".
+template <typename Number, typename Unit>
+std::string passed_text(std::chrono::duration<Number, Unit> time) {
+  using namespace std::chrono;
+  if (time < minutes(2)) {
+    return fmt::format("{} s", floor<seconds>(time).count());
+  }
+  if (time < hours(2)) {
+    return fmt::format("{} min", floor<minutes>(time).count());
+  }
+  return time < days(2) ? fmt::format("{} h", floor<hours>(time).count())
+                        : fmt::format("{} days", floor<days>(time).count());
 }
 
 /// The result of `text`, a function or a member, for each element, joined by `between`.

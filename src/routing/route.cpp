@@ -2,7 +2,6 @@
 #include "routing/route.hpp"
 
 #include <algorithm>
-#include <cstdint>
 
 #include "drive/register_range.hpp"
 #include "modbus/codes.hpp"

@@ -5,10 +5,10 @@
 #include <boost/json/array.hpp>
 #include <boost/json/value.hpp>
 #include <boost/json/value_to.hpp>
+#include <chrono>
 #include <cmath>
 #include <fmt/core.h>
 #include <tuple>
-#include <vector>
 
 #include "base/text.hpp"
 #include "ctl/visible_text.hpp"
@@ -20,6 +20,7 @@ namespace {
 using boost::json::object;
 using boost::json::value;
 using Row = std::vector<std::string>;
+using Seconds = std::chrono::duration<double>;
 
 std::string text(const object& from, const char* key) {
   const value& found = from.at(key);
@@ -40,21 +41,6 @@ std::string milliseconds(const value& duration) {
   const auto number = duration.to_number<double>();
   constexpr double kShort = 10;
   return number < kShort ? fmt::format("{:.1f}", number) : fmt::format("{:.0f}", number);
-}
-
-std::string age(double seconds) {
-  const long long whole = std::llround(std::floor(seconds));
-  constexpr long long kMinute = 60;
-  constexpr long long kHour = 60 * kMinute;
-  constexpr long long kDay = 24 * kHour;
-  if (whole < 2 * kMinute) {
-    return fmt::format("{} s", whole);
-  }
-  if (whole < 2 * kHour) {
-    return fmt::format("{} min", whole / kMinute);
-  }
-  return whole < 2 * kDay ? fmt::format("{} h", whole / kHour)
-                          : fmt::format("{} days", whole / kDay);
 }
 
 std::string diagnoses_text(const boost::json::array& diagnoses) {
@@ -129,7 +115,7 @@ std::string state_text(const object& device) {
   const value& since = device.at("state_since_s");
   return state == "answering" || since.is_null()
              ? state
-             : fmt::format("{} for {}", state, age(since.to_number<double>()));
+             : fmt::format("{} for {}", state, passed_text(Seconds(since.to_number<double>())));
 }
 
 std::string devices_text(boost::json::array devices) {
@@ -171,7 +157,8 @@ std::string status_text(const object& status) {
   const object& configuration = status.at("configuration").as_object();
   std::string all = fmt::format(
       "mbgated {}, up {}, {} as of {}, {}\n", text(status, "version"),
-      age(number(status, "uptime_s")), text(configuration, "file"), text(configuration, "read_at"),
+      passed_text(Seconds(number(status, "uptime_s"))), text(configuration, "file"),
+      text(configuration, "read_at"),
       counted(static_cast<std::uint64_t>(std::llround(number(status, "requests"))), "request"));
   if (configuration.contains("sha256")) {  // not of an mbgated of before an upgrade
     all += fmt::format("Configuration: sha256 {}\n", text(configuration, "sha256"));
