@@ -152,7 +152,7 @@ int examine_and_print(const LinePlan& plan, const DoctorCommand& command, std::o
 
 }  // namespace
 
-int examine_line(const DoctorCommand& command, std::ostream& out, std::ostream& errors) {
+int run(const DoctorCommand& command, std::ostream& out, std::ostream& errors) {
   if (command.port) {
     return examine_and_print(plan_of_port(command), command, out, errors);
   }

@@ -168,7 +168,7 @@ ScanResult scan_through_gateway(const ScanCommand& command, const Catalogue& cat
 
 }  // namespace
 
-int scan(const ScanCommand& command, std::ostream& out, std::ostream& errors) {
+int run(const ScanCommand& command, std::ostream& out, std::ostream& errors) {
   std::error_code ignored;
   if (command.config && std::filesystem::exists(*command.config, ignored)) {
     return report_failure({kExitUsage, command.config->string() + " is there already"},
