@@ -11,10 +11,8 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
-#include <initializer_list>
 #include <iostream>
 #include <optional>
-#include <string>
 #include <system_error>
 #include <utility>
 #include <variant>

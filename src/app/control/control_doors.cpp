@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <boost/asio/buffer.hpp>
-#include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <cerrno>
 #include <chrono>
@@ -16,7 +15,6 @@
 #include <string_view>
 #include <utility>
 
-#include "app/control/asker.hpp"
 #include "gateway/settings.hpp"
 #include "io/advice.hpp"
 #include "io/clients/resources.hpp"

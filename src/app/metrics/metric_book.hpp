@@ -2,11 +2,12 @@
 // Metrics while they are collected, by families, for Prometheus' text format.
 #pragma once
 
+#include <prometheus/metric_family.h>
+
 #include <array>
 #include <chrono>
 #include <cstdint>
 #include <map>
-#include <prometheus/metric_family.h>
 #include <string>
 #include <utility>
 #include <vector>

@@ -3,8 +3,6 @@
 
 #include <prometheus/text_serializer.h>
 
-#include <chrono>
-#include <map>
 #include <utility>
 
 #include "app/metrics/metric_book.hpp"

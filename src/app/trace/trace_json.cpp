@@ -5,12 +5,10 @@
 #include <boost/json/array.hpp>
 #include <boost/json/value.hpp>
 #include <fmt/core.h>
-#include <system_error>
 #include <utility>
 
 #include "app/text.hpp"
 #include "base/text.hpp"
-#include "gateway/trace/trace_record.hpp"
 #include "modbus/describe.hpp"
 #include "modbus/mbap.hpp"
 

@@ -2,7 +2,6 @@
 #include "config/toml/toml_value.hpp"
 
 #include <array>
-#include <cstdint>
 #include <fmt/core.h>
 
 namespace mbgate::config {

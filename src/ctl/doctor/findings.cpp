@@ -7,7 +7,6 @@
 #include <system_error>
 
 #include "base/text.hpp"
-#include "ctl/serial/serial_port.hpp"
 
 namespace mbgate::ctl {
 namespace {

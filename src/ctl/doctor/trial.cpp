@@ -5,7 +5,6 @@
 #include <iterator>
 #include <numeric>
 
-#include "ctl/serial/heard.hpp"
 #include "modbus/describe.hpp"
 
 namespace mbgate::ctl {

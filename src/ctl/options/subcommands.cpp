@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <memory>
-#include <optional>
 #include <sstream>
 
 #include "config/toml/toml_value.hpp"

@@ -2,12 +2,9 @@
 #include "ctl/serial/heard.hpp"
 
 #include <algorithm>
-#include <optional>
 
 #include "modbus/make_request.hpp"
-#include "modbus/request.hpp"
 #include "modbus/response.hpp"
-#include "modbus/rtu.hpp"
 
 namespace mbgate::ctl {
 

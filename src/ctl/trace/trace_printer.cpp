@@ -7,7 +7,6 @@
 #include <boost/json/value.hpp>
 #include <fmt/core.h>
 #include <ostream>
-#include <stdexcept>
 #include <string_view>
 
 #include "ctl/trace/trace_event.hpp"

@@ -2,7 +2,6 @@
 #include "gateway/access/rule_verdict.hpp"
 
 #include <limits>
-#include <utility>
 
 #include "gateway/limits.hpp"
 

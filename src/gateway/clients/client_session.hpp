@@ -3,7 +3,6 @@
 // the socket may be read. It neither parses nor routes; the gateway does.
 #pragma once
 
-#include <algorithm>
 #include <boost/container/small_vector.hpp>
 #include <cstddef>
 #include <cstdint>

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/exchanges/exchange.hpp"
 
-#include <algorithm>
-
-#include "gateway/settings/settings_snapshot.hpp"
-
 namespace mbgate::gateway {
 
 void Exchange::note(const bus::Job& job, bus::Ending ending) {
