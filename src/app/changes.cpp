@@ -8,7 +8,6 @@
 #include <span>
 #include <type_traits>
 
-#include "app/configuration/route_changes.hpp"
 #include "config/keys/keys.hpp"
 
 namespace mbgate::app {

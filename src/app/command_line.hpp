@@ -12,7 +12,7 @@
 
 #include "app/who/who_options.hpp"
 #include "modbus/result.hpp"
-#include "routing/listen_address.hpp"
+#include "routing/client_address.hpp"
 
 namespace mbgate::app {
 

@@ -8,8 +8,6 @@
 #include <fmt/core.h>
 #include <future>
 #include <memory>
-#include <string_view>
-#include <utility>
 
 #include "io/clock.hpp"
 #include "sys/unique_fd.hpp"

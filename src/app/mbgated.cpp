@@ -11,10 +11,8 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
-#include <initializer_list>
 #include <iostream>
 #include <optional>
-#include <string>
 #include <system_error>
 #include <utility>
 #include <variant>
@@ -25,7 +23,6 @@
 #include "app/log.hpp"
 #include "app/recording.hpp"
 #include "app/service.hpp"
-#include "config/check_summary.hpp"
 #include "config/load.hpp"
 #include "config/text_file.hpp"
 #include "io/clients/resources.hpp"

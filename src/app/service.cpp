@@ -15,7 +15,6 @@
 #include "app/configuration/digest.hpp"
 #include "app/journal/event_topic.hpp"
 #include "app/mbgated.hpp"
-#include "app/systemd.hpp"
 #include "app/text.hpp"
 #include "io/clients/resources.hpp"
 #include "io/supervise.hpp"

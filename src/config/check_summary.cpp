@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "config/check_summary.hpp"
-
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
@@ -8,10 +6,10 @@
 #include <fmt/core.h>
 #include <string_view>
 
-#include "base/host_and_port.hpp"
 #include "base/text.hpp"
+#include "config/load.hpp"
 #include "config/sections/sections.hpp"
-#include "config/toml/duration_text.hpp"
+#include "config/toml/toml_value.hpp"
 #include "gateway/limits.hpp"
 
 namespace mbgate::config {

@@ -5,7 +5,7 @@
 
 #include <iostream>
 
-#include "ctl/command_line.hpp"
+#include "ctl/options/subcommands.hpp"
 #include "ctl/request/carry_out.hpp"
 
 int main(int argc, char** argv) {

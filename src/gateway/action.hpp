@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The actions that the machine asks of the driver: plain values with a text form for traces.
+// The actions that the machine asks of the driver, as plain values.
 #pragma once
 
-#include <string>
 #include <variant>
 
 #include "bus/action_queue.hpp"
@@ -57,9 +56,6 @@ struct Finished {};
 
 using Action =
     std::variant<Send, Pause, Resume, Close, Open, Look, Transmit, Shut, Report, Finished>;
-
-/// One line for a trace. The names are taken from the settings.
-std::string to_text(const Action& action, const Settings& settings);
 
 using ActionQueue = bus::ActionQueue<Action>;
 

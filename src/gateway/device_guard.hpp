@@ -8,7 +8,7 @@
 
 #include "bus/instant.hpp"
 #include "modbus/request.hpp"
-#include "routing/client_list.hpp"
+#include "routing/client_role.hpp"
 
 namespace mbgate::gateway {
 

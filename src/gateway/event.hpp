@@ -8,7 +8,6 @@
 #include <optional>
 #include <string>
 #include <variant>
-#include <vector>
 
 #include "bus/bus.hpp"
 #include "gateway/asked.hpp"

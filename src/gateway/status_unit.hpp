@@ -44,7 +44,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "bus/bus.hpp"

@@ -61,14 +61,6 @@ Request make_multiple_write(const TableRange& range, Bytes data) {
   return PduWriter(function).add(range).add_counted(data).request();
 }
 
-Request make_mask_write(std::uint16_t address, std::uint16_t and_mask, std::uint16_t or_mask) {
-  return PduWriter(FunctionCode::mask_write_register)
-      .add16(address)
-      .add16(and_mask)
-      .add16(or_mask)
-      .request();
-}
-
 Request make_read_write(const TableRange& read, const TableRange& write, Bytes data) {
   return PduWriter(FunctionCode::read_write_multiple_registers)
       .add(read)

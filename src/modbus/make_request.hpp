@@ -13,8 +13,6 @@ Request make_read(const TableRange& range);
 Request make_single_write(Table table, std::uint16_t address, std::uint16_t value);
 /// 15 (bits packed as on the wire) or 16, by the table.
 Request make_multiple_write(const TableRange& range, Bytes data);
-/// 22.
-Request make_mask_write(std::uint16_t address, std::uint16_t and_mask, std::uint16_t or_mask);
 /// 23.
 Request make_read_write(const TableRange& read, const TableRange& write, Bytes data);
 

@@ -15,6 +15,11 @@ namespace mbgate::modbus {
 /// The four primary tables (Application Protocol V1.1b3, 4.3).
 enum class Table : std::uint8_t { coils, discrete_inputs, holding_registers, input_registers };
 
+/// Coils and discrete inputs; the others hold registers.
+constexpr bool holds_bits(Table table) {
+  return table == Table::coils || table == Table::discrete_inputs;
+}
+
 /// Registers or bits `first` .. `first + count - 1` of a table; never beyond address 65535.
 struct TableRange {
   Table table;

@@ -2,6 +2,7 @@
 #include "modbus/rtu_timing.hpp"
 
 #include <algorithm>
+#include <fmt/core.h>
 
 namespace mbgate::modbus {
 namespace {
@@ -14,6 +15,16 @@ Duration time_of_half_bits(std::uint64_t half_bits, std::uint64_t baud) {
 }
 
 }  // namespace
+
+std::string format_text(const CharacterFormat& format) {
+  char parity = 'N';
+  switch (format.parity) {
+    case Parity::none: break;
+    case Parity::even: parity = 'E'; break;
+    case Parity::odd: parity = 'O'; break;
+  }
+  return fmt::format("{}{}{}", format.data_bits, parity, format.stop_bits);
+}
 
 RtuTiming::RtuTiming(Baud baud, CharacterFormat format)
     : baud_(static_cast<std::uint32_t>(baud)),

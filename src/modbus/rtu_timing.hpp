@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <string>
 
 namespace mbgate::modbus {
 
@@ -25,6 +26,9 @@ struct CharacterFormat {
   }
   friend bool operator==(const CharacterFormat&, const CharacterFormat&) = default;
 };
+
+/// "8E1"
+std::string format_text(const CharacterFormat& format);
 
 /// Above this rate t3.5 is fixed (Serial Line V1.02, 2.5.1.1).
 inline constexpr Baud kFixedTimersAbove{19200};

@@ -91,15 +91,6 @@ bool understand_alike(const Receivers& receivers, const Request& request) {
   });
 }
 
-bool cuts_value(const Device& device, const TableRange& range) {
-  const auto& values = device.profile.values;
-  const auto inside = [&](std::uint32_t border) {
-    const drive::Value* value = values.at(range.table, border);
-    return value != nullptr && value->first < border;
-  };
-  return inside(range.first) || inside(drive::end_of(range));
-}
-
 // Are the registers there, as far as the profile of this drive says?
 bool has_registers(const Device& device, const Request& request) {
   const auto& map = device.profile.map;

@@ -114,4 +114,14 @@ bool contains(const NetworkList& list, const ClientAddress& address) {
                              [&](const Network& network) { return network.contains(address); });
 }
 
+std::optional<ListenAddress> ListenAddress::parse(std::string_view text) {
+  const auto place = host_and_port(text);
+  const auto address = place ? ClientAddress::parse(place->host) : std::nullopt;
+  return address ? std::optional(ListenAddress{*address, place->port}) : std::nullopt;
+}
+
+NetworkList loopback_networks() { return {*Network::parse("127.0.0.0/8"), *Network::parse("::1")}; }
+
+bool is_loopback(const ClientAddress& address) { return contains(loopback_networks(), address); }
+
 }  // namespace mbgate::routing

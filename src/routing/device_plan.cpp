@@ -44,7 +44,6 @@ class Planner {
   void run_of_singles(const TableRange& range, modbus::Bytes data, Requests& requests) const;
   [[nodiscard]] Reply data_of(const TableRange& range, const TableRange& asked) const;
   [[nodiscard]] TableRange widened(const TableRange& range) const;
-  [[nodiscard]] bool cuts_value(const TableRange& range) const;
 
   const drive::Device& device_;
   const drive::Profile& profile_;
@@ -74,17 +73,6 @@ Result<DevicePlan, ExceptionCode> Planner::make() {
     case 0x05: return DevicePlan{{request_}, {Reply::Form::echo}};
     default: return DevicePlan{{request_}, {}};
   }
-}
-
-// Does the range hold a part of a value at one of its ends?
-bool Planner::cuts_value(const TableRange& range) const {
-  for (const std::uint32_t border : {std::uint32_t{range.first}, drive::end_of(range)}) {
-    const Value* value = profile_.values.at(range.table, border);
-    if (value != nullptr && value->first < border) {
-      return true;
-    }
-  }
-  return false;
 }
 
 TableRange Planner::widened(const TableRange& range) const {
@@ -134,7 +122,8 @@ Result<DevicePlan, ExceptionCode> Planner::plan_read_write() {
   const TableRange& writes = request_.writes()->range;
   const TableRange range = widened(reads);
   // It reads and writes in one go, so it cannot be split.
-  const bool fits = !cuts_value(writes) && writes.count <= profile_.limits.write_registers &&
+  const bool fits = !cuts_value(device_, writes) &&
+                    writes.count <= profile_.limits.write_registers &&
                     cut(writes, writes.count, profile_).size() == 1 &&
                     cut(range, profile_.limits.read_from(range.table), profile_).size() == 1;
   if (!fits) {
@@ -165,7 +154,7 @@ Result<DevicePlan, ExceptionCode> Planner::plan_register_write() {
 
 Result<DevicePlan, ExceptionCode> Planner::plan_multiple_write() {
   const TableRange& range = request_.writes()->range;
-  if (cuts_value(range)) {
+  if (cuts_value(device_, range)) {
     return ExceptionCode::illegal_data_value;
   }
   const auto data = data_in_order(device_, seen_, request_);

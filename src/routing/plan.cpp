@@ -3,7 +3,6 @@
 
 #include "modbus/make_request.hpp"
 #include "modbus/rtu.hpp"
-#include "routing/address_window.hpp"
 #include "routing/broadcast_plan.hpp"
 #include "routing/device_plan.hpp"
 #include "routing/special_writes.hpp"

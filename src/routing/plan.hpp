@@ -16,7 +16,6 @@
 #include <boost/container/small_vector.hpp>
 
 #include "modbus/request.hpp"
-#include "routing/access.hpp"
 #include "routing/reply.hpp"
 #include "routing/resolved_route.hpp"
 

@@ -27,9 +27,7 @@ struct Reply {
 
 /// How data of this table are put together.
 constexpr Reply::Form data_form(modbus::Table table) {
-  return table == modbus::Table::coils || table == modbus::Table::discrete_inputs
-             ? Reply::Form::bits
-             : Reply::Form::registers;
+  return modbus::holds_bits(table) ? Reply::Form::bits : Reply::Form::registers;
 }
 
 /// The answer to `request`. `counts`: how many registers or bits each transaction has read.

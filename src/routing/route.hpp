@@ -6,6 +6,7 @@
 #include <bitset>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "drive/device.hpp"
@@ -87,5 +88,14 @@ struct Route {
   [[nodiscard]] bool leads_to(const drive::Device& server) const;
   friend bool operator==(const Route&, const Route&) = default;
 };
+
+// Rewriting of table addresses: what a client sees at `from` lies in the device at `to`, possibly
+// in another table.
+
+/// The request as the device must see it. Each range that it names must lie wholly in one window
+/// (else 02); what the other table cannot do, such as writing input registers, is 01. Requests that
+/// name no table pass unchanged; the functions of the route decide whether they may.
+Result<modbus::Request, modbus::ExceptionCode> through_windows(
+    std::span<const AddressWindow> windows, const modbus::Request& request);
 
 }  // namespace mbgate::routing

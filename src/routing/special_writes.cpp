@@ -35,6 +35,14 @@ bool touches_value(const drive::Device& device, const Request& request) {
   return holds(request.reads()) || holds(request.writes());
 }
 
+bool cuts_value(const drive::Device& device, const TableRange& range) {
+  const auto is_inside = [&](std::uint32_t border) {
+    const drive::Value* value = device.profile.values.at(range.table, border);
+    return value != nullptr && value->first < border;
+  };
+  return is_inside(range.first) || is_inside(drive::end_of(range));
+}
+
 bool has_uncertain_position(const drive::Device& device, drive::WordOrder seen,
                             const Request& request) {
   if (!writes_position_opcode(device, request)) {

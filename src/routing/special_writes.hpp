@@ -13,6 +13,9 @@ namespace mbgate::routing {
 /// Does the request read or write any value (32 or 64 bits), or a part of one?
 bool touches_value(const drive::Device& device, const modbus::Request& request);
 
+/// Does the range hold a part of a value at one of its ends?
+bool cuts_value(const drive::Device& device, const modbus::TableRange& range);
+
 /// Does the request write an opcode whose position parameter has an unknown word order, for a
 /// client that sees values in the order `seen`? If the order is configured (`opcode_order`), the
 /// position is certain when it is written together with its opcode.

@@ -226,7 +226,7 @@ void World::settle() {
 
 void World::handle(const gateway::Action& action) {
   if (is_told_) {
-    tell(gateway::to_text(action, harness_.settings()));
+    tell(test::action_text(action, harness_.settings()));
   }
   if (const auto* send = std::get_if<gateway::Send>(&action)) {
     const Octets adu(send->adu.begin(), send->adu.end());

@@ -11,7 +11,7 @@
 #include "app/control/tcp_rules.hpp"
 #include "app/page/page_answer.hpp"
 #include "app/text.hpp"
-#include "app/trace/trace_filter.hpp"
+#include "app/trace/trace_json.hpp"
 #include "fuzz/fuzz.hpp"
 
 namespace mbgate::fuzz::http_target {

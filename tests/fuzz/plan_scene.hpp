@@ -116,10 +116,6 @@ struct Scene {
   }
 };
 
-inline bool holds_bits(Table table) {
-  return table == Table::coils || table == Table::discrete_inputs;
-}
-
 /// It overlaps no window before it, and cuts no value; a broadcast is written.
 inline bool is_sound(const Scene& scene, const routing::AddressWindow& window) {
   for (const auto& other : scene.resolved.route.windows) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any text as a drive profile: a profile that requests can be planned with, or diagnostics.
 #include <array>
-#include <string_view>
+#include <string>
 
 #include "config/profiles/profile_file.hpp"
 #include "fuzz/fuzz.hpp"
@@ -39,8 +39,8 @@ void use(const drive::Device& device, const drive::Value& value) {
 }  // namespace
 
 MBGATE_FUZZ_TARGET(profile) {
-  const std::string_view text(reinterpret_cast<const char*>(data), size);
-  const auto loaded = config::load_profile_text("fuzz.toml", text);
+  const std::string text(reinterpret_cast<const char*>(data), size);
+  const auto loaded = config::load_profile(config::TextFile{"fuzz.toml", text});
   require(loaded.file.has_value() != config::has_errors(loaded.diagnostics),
           "a profile, or errors that say why not");
   require(config::render(loaded.diagnostics).empty() == loaded.diagnostics.empty(),

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "fuzz/fuzz.hpp"
-#include "routing/role_extension.hpp"
+#include "routing/client_role.hpp"
 
 namespace mbgate::fuzz::role_target {
 namespace {

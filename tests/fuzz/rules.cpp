@@ -4,7 +4,6 @@
 #include <string>
 #include <string_view>
 
-#include "config/check_summary.hpp"
 #include "config/load.hpp"
 #include "fuzz/fuzz.hpp"
 #include "gateway/access/who.hpp"

@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "gateway/gateway.hpp"
+#include "support/action_text.hpp"
 
 namespace mbgate::test {
 

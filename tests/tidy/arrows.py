@@ -47,7 +47,7 @@ FOLDERS = {
 }
 # Single headers beyond a module's arrows: plain data that carries no decision.
 SETTINGS = {"gateway/settings.hpp", "gateway/limits.hpp", "routing/route.hpp", "routing/client_address.hpp",
-            "routing/listen_address.hpp", "bus/settings.hpp"}
+            "bus/settings.hpp"}
 EXTRA_HEADERS = {
     "config": SETTINGS,
     "sim": {"bus/instant.hpp"},
@@ -102,7 +102,7 @@ MOST_LINES = 300
 MOST_UNITS = 20
 # Lines of tests that are not unit tests, by folders.
 PROOFS = {10_500: ("world", "judge"), 13_500: ("world", "judge", "simulation", "explore")}
-MOST_SOURCE_LINES, MOST_SOURCES = 61_400, 582  # of src/: less when something goes, never more without a word in docs/decisions
+MOST_SOURCE_LINES, MOST_SOURCES = 60_750, 535  # of src/: less when something goes, never more without a word in docs/decisions
 MOST_PATCHES = 30
 MOST_PAGE = 200
 

@@ -209,7 +209,7 @@ Client* World::find(gateway::ClientId number) {
 
 void World::carry_out(const gateway::Action& action) {
   if (trace_) {
-    trace(gateway::to_text(action, harness_->settings()));
+    trace(test::action_text(action, harness_->settings()));
   }
   if (const auto* send = std::get_if<gateway::Send>(&action)) {
     if (Client* client = find(send->client)) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/configuration/digest.hpp"
 
-#include <algorithm>
 #include <fmt/core.h>
 #include <string_view>
 

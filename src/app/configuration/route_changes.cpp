@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/configuration/route_changes.hpp"
-
 #include <algorithm>
-#include <bitset>
 #include <fmt/core.h>
 
-#include "config/toml/duration_text.hpp"
+#include "app/changes.hpp"
+#include "config/toml/match_entry.hpp"
+#include "config/toml/toml_value.hpp"
 
 namespace mbgate::app {
 namespace {
@@ -58,28 +57,18 @@ std::string functions_of(const Settings& settings, const Route& route) {
   return text + (route.functions.force_listen_only ? " 8/4" : "");
 }
 
-std::string table_name(modbus::Table table) {
-  switch (table) {
-    case modbus::Table::coils: return "coils ";
-    case modbus::Table::discrete_inputs: return "discrete ";
-    case modbus::Table::holding_registers: return "holding ";
-    case modbus::Table::input_registers: return "input ";
-  }
-  return "";
-}
-
 std::string windows_of(const Route& route) {
   std::string text;
   for (const AddressWindow& window : route.windows) {
-    text += fmt::format("{}{}{}={}{}", text.empty() ? "" : " ", table_name(window.table),
+    text += fmt::format("{}{} {}={} {}", text.empty() ? "" : " ", config::table_word(window.table),
                         range_of(window.from, window.from + window.count - 1),
-                        table_name(window.to_table), window.to);
+                        config::table_word(window.to_table), window.to);
   }
   return text.empty() ? "all" : text;
 }
 
 std::string order_of(const Route& route) {
-  return !route.word_order ? "-" : *route.word_order == drive::WordOrder::little ? "little" : "big";
+  return route.word_order ? std::string(config::order_word(*route.word_order)) : "-";
 }
 
 /// What a client may see of a route, by its keys.

@@ -6,7 +6,7 @@
 //
 // To change
 // - the requests that the control socket accepts: control, docs/api.yaml; their execution:
-//   ControlTarget, in app/service; the identity and the rate of the asker: asker.
+//   ControlTarget, in app/service; the identity and the rate of the asker: asker, control_doors.
 // - the requests and clients that are accepted over TCP: tcp_rules, control_doors; the length of a
 //   request: request_reader; the connection that makes room for another: http_places; addresses:
 //   app/http_listeners; config/sections/http_section.

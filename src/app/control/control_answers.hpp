@@ -9,6 +9,9 @@
 #include <string>
 #include <string_view>
 
+#include "app/metrics/metrics.hpp"
+#include "gateway/status/status_report.hpp"
+
 namespace mbgate::app {
 
 using HttpRequest = boost::beast::http::request<boost::beast::http::string_body>;
@@ -36,5 +39,9 @@ std::optional<std::string_view> value_of(const boost::beast::http::request_heade
 bool is_command_failed(const HttpRequest& request, boost::beast::http::status status);
 /// "POST /api/v1/reload was answered 403 Forbidden". What a client names is cut.
 std::string denied_text(const HttpRequest& request, boost::beast::http::status status);
+
+// The status report as JSON (docs/api.yaml).
+
+boost::json::object status_json(const gateway::StatusReport& report, const ProcessStatus& process);
 
 }  // namespace mbgate::app

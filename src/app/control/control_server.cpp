@@ -2,22 +2,17 @@
 #include "app/control/control_server.hpp"
 
 #include <algorithm>
-#include <boost/asio/post.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/json/array.hpp>
 #include <iterator>
 #include <new>
 #include <string_view>
-#include <utility>
 
 #include "app/control/control_answers.hpp"
-#include "app/control/request_reader.hpp"
 #include "app/control/tcp_rules.hpp"
 #include "app/metrics/metrics.hpp"
 #include "app/page/page_answer.hpp"
 #include "app/text.hpp"
-#include "io/supervise.hpp"
 
 namespace mbgate::app {
 namespace {

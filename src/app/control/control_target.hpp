@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/control/asker.hpp"
-#include "app/control/status_json.hpp"
+#include "app/metrics/metrics.hpp"
 #include "gateway/trace/trace_book.hpp"
 
 namespace mbgate::app {

@@ -6,8 +6,6 @@
 #include <boost/json/object.hpp>
 #include <boost/json/serialize.hpp>
 #include <fmt/core.h>
-#include <functional>
-#include <system_error>
 #include <utility>
 
 #include "app/text.hpp"

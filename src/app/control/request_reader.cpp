@@ -4,7 +4,6 @@
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
 #include <fmt/core.h>
-#include <string>
 #include <utility>
 
 #include "io/supervise.hpp"

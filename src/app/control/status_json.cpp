@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/control/status_json.hpp"
-
 #include <boost/json/array.hpp>
 #include <boost/json/string.hpp>
 #include <boost/json/value.hpp>
 #include <fmt/core.h>
 #include <optional>
-#include <string_view>
 
+#include "app/control/control_answers.hpp"
 #include "app/text.hpp"
 #include "gateway/status/diagnosis.hpp"
 
@@ -82,7 +80,7 @@ object bus_json(const BusStatus& bus) {
               {"counters", counters_json(bus.counters)}};
   if (bus.is_serial) {
     json["baud"] = static_cast<std::uint32_t>(bus.baud);
-    json["format"] = gateway::format_text(bus.format);
+    json["format"] = modbus::format_text(bus.format);
   }
   if (bus.framing != bus::Framing::tcp) {
     json["character_ms"] = milliseconds(bus.character);

@@ -6,9 +6,7 @@
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/write.hpp>
-#include <chrono>
 #include <string_view>
-#include <utility>
 
 #include "io/supervise.hpp"
 

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "app/control/event_streams.hpp"
-#include "app/trace/trace_json.hpp"
 #include "io/clock.hpp"
 
 namespace mbgate::app {

@@ -16,7 +16,7 @@
 #include "app/control/control_target.hpp"
 #include "app/control/stream_readers.hpp"
 #include "app/control/tcp_rules.hpp"
-#include "app/trace/trace_filter.hpp"
+#include "app/trace/trace_json.hpp"
 #include "gateway/trace/trace_book.hpp"
 #include "modbus/result.hpp"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/journal/event_topic.hpp"
 
-#include <algorithm>
 #include <fmt/format.h>
 #include <string>
 #include <type_traits>
@@ -81,6 +80,9 @@ MessageId id_of_refusal(gateway::RefusalReason reason) {
   return {};
 }
 
+using namespace gateway;
+using namespace message_id;
+
 struct Topics {
   const gateway::Settings& settings;
 
@@ -120,64 +122,56 @@ struct Topics {
     }
     return topic;
   }
-};
 
-template <typename... Cases>
-struct Overloaded : Cases... {
-  using Cases::operator()...;
+  Topic operator()(const BusOpened& e) const { return on_bus(kBusOpened, e); }
+  Topic operator()(const BusLost& e) const { return on_bus(kBusLost, e); }
+  Topic operator()(const AdapterSilent& e) const { return on_bus(kAdapterSilent, e); }
+  Topic operator()(const ConnectionReplaced& e) const { return on_bus(kConnectionReplaced, e); }
+  Topic operator()(const ClientRefused& e) const { return of_client(id_of_refusal(e.reason), e); }
+  Topic operator()(const ClientDisplaced& e) const { return of_client(kClientDisplaced, e); }
+  Topic operator()(const ClientOverRate& e) const { return of_client(kClientOverRate, e); }
+  Topic operator()(const ClientFramingLost& e) const { return of_client(kClientFramingLost, e); }
+  Topic operator()(const ClientSpeaksRtu& e) const { return of_client(kClientSpeaksRtu, e); }
+  Topic operator()(const ClientFrameTimedOut& e) const {
+    return of_client(kClientFrameTimedOut, e);
+  }
+  Topic operator()(const LineNews& e) const { return on_bus(id_of_fault(e.fault), e); }
+  Topic operator()(const LineNeverSilent& e) const { return on_bus(kLineNeverSilent, e); }
+  Topic operator()(const Reconfigured& e) const {
+    Topic topic = of_device(kReconfigured, e.bus, e.address);
+    topic.client = e.client.to_text();
+    return topic;
+  }
+  Topic operator()(const WriteEndedEarly& e) const {
+    return of_device(kWriteEndedEarly, e.bus, e.address);
+  }
+  Topic operator()(const WordOrderDiffers& e) const {
+    return of_device(kWordOrderDiffers, e.bus, e.address);
+  }
+  Topic operator()(const DeviceNews& e) const {
+    return of_device(id_of_notice(e.notice), e.bus, e.notice.address);
+  }
+  Topic operator()(const QualityNews& e) const {
+    const MessageId id = id_of_quality(e.notice);
+    return e.notice.address ? of_device(id, e.bus, *e.notice.address) : on_bus(id, e);
+  }
+  Topic operator()(const FailsafeNews& e) const {
+    return of_device(id_of_outcome(e.outcome), e.bus, e.address);
+  }
+  Topic operator()(const UnitNotRouted& e) const { return of_client(kUnitNotRouted, e); }
+  Topic operator()(const ReadDenied& e) const { return of_request(kRequestDenied, e); }
+  Topic operator()(const WriteDenied& e) const { return of_request(kRequestDenied, e); }
+  Topic operator()(const StopDenied& e) const { return of_request(kStopDenied, e); }
+  Topic operator()(const WriteAccepted& e) const { return of_write(e); }
+  Topic operator()(const BroadcastLeavesOut& e) const { return of_request(kBroadcastLeavesOut, e); }
+  Topic operator()(const CountersCleared& e) const { return of_request(kCountersCleared, e); }
+  Topic operator()(const ClientLoggedIn& e) const { return of_asker(kClientLoggedIn, e); }
 };
 
 }  // namespace
 
 Topic topic_of(const gateway::Event& event, const gateway::Settings& settings) {
-  using namespace gateway;
-  using namespace message_id;
-  const Topics topics{settings};
-  return std::visit(
-      Overloaded{
-          [&](const BusOpened& e) { return topics.on_bus(kBusOpened, e); },
-          [&](const BusLost& e) { return topics.on_bus(kBusLost, e); },
-          [&](const AdapterSilent& e) { return topics.on_bus(kAdapterSilent, e); },
-          [&](const ConnectionReplaced& e) { return topics.on_bus(kConnectionReplaced, e); },
-          [&](const ClientRefused& e) { return topics.of_client(id_of_refusal(e.reason), e); },
-          [&](const ClientDisplaced& e) { return topics.of_client(kClientDisplaced, e); },
-          [&](const ClientOverRate& e) { return topics.of_client(kClientOverRate, e); },
-          [&](const ClientFramingLost& e) { return topics.of_client(kClientFramingLost, e); },
-          [&](const ClientSpeaksRtu& e) { return topics.of_client(kClientSpeaksRtu, e); },
-          [&](const ClientFrameTimedOut& e) { return topics.of_client(kClientFrameTimedOut, e); },
-          [&](const LineNews& e) { return topics.on_bus(id_of_fault(e.fault), e); },
-          [&](const LineNeverSilent& e) { return topics.on_bus(kLineNeverSilent, e); },
-          [&](const Reconfigured& e) {
-            Topic topic = topics.of_device(kReconfigured, e.bus, e.address);
-            topic.client = e.client.to_text();
-            return topic;
-          },
-          [&](const WriteEndedEarly& e) {
-            return topics.of_device(kWriteEndedEarly, e.bus, e.address);
-          },
-          [&](const WordOrderDiffers& e) {
-            return topics.of_device(kWordOrderDiffers, e.bus, e.address);
-          },
-          [&](const DeviceNews& e) {
-            return topics.of_device(id_of_notice(e.notice), e.bus, e.notice.address);
-          },
-          [&](const QualityNews& e) {
-            const MessageId id = id_of_quality(e.notice);
-            return e.notice.address ? topics.of_device(id, e.bus, *e.notice.address)
-                                    : topics.on_bus(id, e);
-          },
-          [&](const FailsafeNews& e) {
-            return topics.of_device(id_of_outcome(e.outcome), e.bus, e.address);
-          },
-          [&](const UnitNotRouted& e) { return topics.of_client(kUnitNotRouted, e); },
-          [&](const ReadDenied& e) { return topics.of_request(kRequestDenied, e); },
-          [&](const WriteDenied& e) { return topics.of_request(kRequestDenied, e); },
-          [&](const StopDenied& e) { return topics.of_request(kStopDenied, e); },
-          [&](const WriteAccepted& e) { return topics.of_write(e); },
-          [&](const BroadcastLeavesOut& e) { return topics.of_request(kBroadcastLeavesOut, e); },
-          [&](const CountersCleared& e) { return topics.of_request(kCountersCleared, e); },
-          [&](const ClientLoggedIn& e) { return topics.of_asker(kClientLoggedIn, e); }},
-      event);
+  return std::visit(Topics{settings}, event);
 }
 
 namespace {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/metrics/device_metrics.hpp"
-
 #include <array>
 #include <optional>
 #include <utility>
 
+#include "app/metrics/metric_book.hpp"
 #include "app/text.hpp"
 
 namespace mbgate::app {
@@ -130,7 +129,7 @@ void add_bus(MetricBook& book, const gateway::BusStatus& bus) {
       {"bus", bus.name}, {"line", valid_utf8(bus.line)}, {"framing", framing_word(bus.framing)}};
   if (bus.is_serial) {
     info.push_back({"baud", std::to_string(static_cast<std::uint32_t>(bus.baud))});
-    info.push_back({"format", gateway::format_text(bus.format)});
+    info.push_back({"format", modbus::format_text(bus.format)});
   }
   book.gauge({"mbgate_bus_info", "The line of the bus."}, info, 1);
   book.gauge({"mbgate_bus_open", "Whether the line is open."}, of_bus, bus.is_open ? 1 : 0);

@@ -2,7 +2,6 @@
 #include "app/metrics/metric_book.hpp"
 
 #include <limits>
-#include <utility>
 
 namespace mbgate::app {
 prometheus::ClientMetric& MetricBook::add(const Kind& kind, prometheus::MetricType type,

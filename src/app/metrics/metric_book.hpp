@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "bus/histogram.hpp"
+#include "gateway/status/status_report.hpp"
 
 namespace mbgate::app {
 
@@ -65,5 +66,10 @@ constexpr std::array kExceptionReasons = {
     ExceptionReason{0x06, "06", "not_sent"},      ExceptionReason{0x0A, "0A", "no_path"},
     ExceptionReason{0x0B, "0B", "no_answer"},
 };
+
+/// Addresses of a bus that no [[device]] names are one, "other", without an address.
+void add_devices(MetricBook& book, const gateway::StatusReport& report);
+
+void add_bus(MetricBook& book, const gateway::BusStatus& bus);
 
 }  // namespace mbgate::app

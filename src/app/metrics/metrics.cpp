@@ -3,11 +3,8 @@
 
 #include <prometheus/text_serializer.h>
 
-#include <chrono>
-#include <map>
 #include <utility>
 
-#include "app/metrics/device_metrics.hpp"
 #include "app/metrics/metric_book.hpp"
 #include "gateway/status/diagnosis.hpp"
 

@@ -3,7 +3,6 @@
 // and what decides. The gateway's own parts answer (gateway/access/who).
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>

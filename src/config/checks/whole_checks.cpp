@@ -4,7 +4,7 @@
 #include <fmt/core.h>
 
 #include "config/sections/sections.hpp"
-#include "config/toml/duration_text.hpp"
+#include "config/toml/toml_value.hpp"
 #include "gateway/limits.hpp"
 
 namespace mbgate::config {

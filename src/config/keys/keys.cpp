@@ -4,7 +4,7 @@
 #include <array>
 #include <limits>
 
-#include "config/toml/duration_text.hpp"
+#include "config/toml/toml_value.hpp"
 
 namespace mbgate::config {
 namespace {

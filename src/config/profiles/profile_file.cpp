@@ -2,7 +2,6 @@
 #include "config/profiles/profile_file.hpp"
 
 #include <algorithm>
-#include <array>
 #include <fmt/core.h>
 #include <tuple>
 #include <utility>
@@ -285,10 +284,6 @@ LoadedProfile load_profile(const std::filesystem::path& path) {
 
 LoadedProfile load_profile(const TextFile& file) {
   return read(TomlDocument::parse(std::vector{file}));
-}
-
-LoadedProfile load_profile_text(std::string path, std::string_view text) {
-  return read(TomlDocument::parse(std::move(path), text));
 }
 
 }  // namespace mbgate::config

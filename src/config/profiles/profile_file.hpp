@@ -81,7 +81,4 @@ LoadedProfile load_profile(const std::filesystem::path& path);
 /// The same for a file that was read before.
 LoadedProfile load_profile(const TextFile& file);
 
-/// The same for a text; `path` is the file name in the diagnostics.
-LoadedProfile load_profile_text(std::string path, std::string_view text);
-
 }  // namespace mbgate::config

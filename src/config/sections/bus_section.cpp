@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "config/sections/sections.hpp"
-#include "config/toml/duration_text.hpp"
+#include "config/toml/toml_value.hpp"
 
 namespace mbgate::config {
 namespace {

@@ -5,7 +5,7 @@
 #include <fmt/core.h>
 #include <span>
 
-#include "base/host_and_port.hpp"
+#include "base/text.hpp"
 #include "config/sections/sections.hpp"
 
 namespace mbgate::config {

@@ -87,8 +87,6 @@ void check_end(TomlTable& window, std::string_view key, std::int64_t first, std:
   }
 }
 
-bool holds_bits(Table table) { return table == Table::coils || table == Table::discrete_inputs; }
-
 /// A broadcast is a write: neither side may be a table that can only be read.
 std::optional<Table> read_table(TomlTable& window, std::string_view key, bool broadcast) {
   const auto table = window.word<Table>(key, kTables);
@@ -102,9 +100,9 @@ std::optional<Table> read_table(TomlTable& window, std::string_view key, bool br
 /// Bits and registers cannot become each other.
 Table read_to_table(TomlTable& window, std::optional<Table> table, bool broadcast) {
   const auto to_table = read_table(window, "to_table", broadcast);
-  if (table && to_table && holds_bits(*table) != holds_bits(*to_table)) {
+  if (table && to_table && modbus::holds_bits(*table) != modbus::holds_bits(*to_table)) {
     window.report_expected("to_table", *window.value("to_table"),
-                           holds_bits(*table)
+                           modbus::holds_bits(*table)
                                ? R"(another table of bits, "coils" or "discrete")"
                                : R"(another table of registers, "input" or "holding")");
   }

@@ -3,8 +3,6 @@
 // compiled in: the shared one is built with exceptions.
 #include "config/toml/toml_reader.hpp"
 
-#include <fmt/core.h>
-
 #undef TOML_SHARED_LIB
 #undef TOML_HEADER_ONLY
 #define TOML_HEADER_ONLY 1
@@ -34,8 +32,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-
-#include "config/toml/duration_text.hpp"
 
 namespace mbgate::config {
 namespace {

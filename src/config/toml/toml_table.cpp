@@ -3,9 +3,9 @@
 #include <charconv>
 #include <fmt/core.h>
 
-#include "config/toml/duration_text.hpp"
 #include "config/toml/suggestion.hpp"
 #include "config/toml/toml_reader.hpp"
+#include "config/toml/toml_value.hpp"
 
 namespace mbgate::config {
 namespace {

@@ -11,7 +11,6 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 #include <cerrno>
-#include <cstdint>
 #include <cstring>
 #include <fmt/core.h>
 #include <future>
@@ -21,7 +20,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/host_and_port.hpp"
+#include "base/text.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -6,14 +6,13 @@
 #include <fmt/core.h>
 #include <ostream>
 
-#include "config/toml/duration_text.hpp"
+#include "config/toml/toml_value.hpp"
 #include "ctl/control/control_shell.hpp"
 #include "ctl/control/event_reader.hpp"
 #include "ctl/control/screen_shell.hpp"
 #include "ctl/control/status_text.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "ctl/request/repetition.hpp"
-#include "ctl/request/report.hpp"
 #include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {
@@ -154,7 +153,7 @@ int watch_status(const StatusCommand& command, std::ostream& out, std::ostream& 
 
 }  // namespace
 
-int show_status(const StatusCommand& command, std::ostream& out, std::ostream& errors) {
+int run(const StatusCommand& command, std::ostream& out, std::ostream& errors) {
   if (command.every) {
     return watch_status(command, out, errors);
   }
@@ -180,7 +179,7 @@ int fail(std::ostream& errors, const std::string& why) {
 
 }  // namespace
 
-int reload(const ReloadCommand& command, std::ostream& out, std::ostream& errors) {
+int run(const ReloadCommand& command, std::ostream& out, std::ostream& errors) {
   const auto answer = ask_control(command.socket, "POST", "/api/v1/reload", kReloadLimit);
   if (!answer) {
     return fail(errors, answer.error());
@@ -196,7 +195,7 @@ int reload(const ReloadCommand& command, std::ostream& out, std::ostream& errors
   return is_done ? kExitDone : kExitNotDone;
 }
 
-int clear_counters(const ClearCountersCommand& command, std::ostream& out, std::ostream& errors) {
+int run(const ClearCountersCommand& command, std::ostream& out, std::ostream& errors) {
   const auto answer = ask_control(command.socket, "POST", "/api/v1/clear-counters", kClearLimit);
   if (!answer) {
     return fail(errors, answer.error());
@@ -208,7 +207,7 @@ int clear_counters(const ClearCountersCommand& command, std::ostream& out, std::
   return kExitDone;
 }
 
-int follow_events(const EventsCommand& command, std::ostream& out, std::ostream& errors) {
+int run(const EventsCommand& command, std::ostream& out, std::ostream& errors) {
   const Interruption interruption;
   EventReader reader;
   const auto print = [&](std::string_view piece) {

@@ -5,10 +5,10 @@
 #include <boost/json/array.hpp>
 #include <boost/json/value.hpp>
 #include <boost/json/value_to.hpp>
+#include <chrono>
 #include <cmath>
 #include <fmt/core.h>
 #include <tuple>
-#include <vector>
 
 #include "base/text.hpp"
 #include "ctl/visible_text.hpp"
@@ -20,6 +20,7 @@ namespace {
 using boost::json::object;
 using boost::json::value;
 using Row = std::vector<std::string>;
+using Seconds = std::chrono::duration<double>;
 
 std::string text(const object& from, const char* key) {
   const value& found = from.at(key);
@@ -40,21 +41,6 @@ std::string milliseconds(const value& duration) {
   const auto number = duration.to_number<double>();
   constexpr double kShort = 10;
   return number < kShort ? fmt::format("{:.1f}", number) : fmt::format("{:.0f}", number);
-}
-
-std::string age(double seconds) {
-  const long long whole = std::llround(std::floor(seconds));
-  constexpr long long kMinute = 60;
-  constexpr long long kHour = 60 * kMinute;
-  constexpr long long kDay = 24 * kHour;
-  if (whole < 2 * kMinute) {
-    return fmt::format("{} s", whole);
-  }
-  if (whole < 2 * kHour) {
-    return fmt::format("{} min", whole / kMinute);
-  }
-  return whole < 2 * kDay ? fmt::format("{} h", whole / kHour)
-                          : fmt::format("{} days", whole / kDay);
 }
 
 std::string diagnoses_text(const boost::json::array& diagnoses) {
@@ -129,7 +115,7 @@ std::string state_text(const object& device) {
   const value& since = device.at("state_since_s");
   return state == "answering" || since.is_null()
              ? state
-             : fmt::format("{} for {}", state, age(since.to_number<double>()));
+             : fmt::format("{} for {}", state, passed_text(Seconds(since.to_number<double>())));
 }
 
 std::string devices_text(boost::json::array devices) {
@@ -171,7 +157,8 @@ std::string status_text(const object& status) {
   const object& configuration = status.at("configuration").as_object();
   std::string all = fmt::format(
       "mbgated {}, up {}, {} as of {}, {}\n", text(status, "version"),
-      age(number(status, "uptime_s")), text(configuration, "file"), text(configuration, "read_at"),
+      passed_text(Seconds(number(status, "uptime_s"))), text(configuration, "file"),
+      text(configuration, "read_at"),
       counted(static_cast<std::uint64_t>(std::llround(number(status, "requests"))), "request"));
   if (configuration.contains("sha256")) {  // not of an mbgated of before an upgrade
     all += fmt::format("Configuration: sha256 {}\n", text(configuration, "sha256"));
@@ -193,6 +180,80 @@ std::string status_text(const object& status) {
     all += "\n" + clients_text(clients);
   }
   return all;
+}
+
+namespace {
+
+bool is_first_byte(char byte) {
+  return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;  // UTF-8, RFC 3629
+}
+
+bool moves_cursor(char byte) { return static_cast<unsigned char>(byte) < 0x20U || byte == '\x7F'; }
+
+/// How many bytes the first `columns` characters have.
+std::size_t bytes_of(std::string_view line, std::size_t columns) {
+  std::size_t at = 0;
+  for (std::size_t characters = 0; at < line.size(); ++at) {
+    if (is_first_byte(line[at]) && ++characters > columns) {
+      break;
+    }
+  }
+  return at;
+}
+
+std::size_t indent_of(std::string_view line) {
+  return std::min(line.find_first_not_of(' '), line.size());
+}
+
+bool is_row_of_table(std::string_view line) {
+  return line.find("  ", indent_of(line)) != std::string_view::npos;
+}
+
+/// Ends lines at a blank; a word that is longer than a line is cut in two.
+void fold(std::string line, std::size_t columns, std::vector<std::string>& lines) {
+  constexpr std::size_t kFurther = 2;
+  const std::size_t further = indent_of(line) + kFurther;
+  const std::string indent(further < columns / 2 ? further : 0, ' ');
+  while (true) {
+    const std::size_t fits = bytes_of(line, columns);
+    if (fits == line.size()) {
+      lines.push_back(line);
+      return;
+    }
+    const std::size_t blank = line.rfind(' ', fits);
+    const bool is_after_word = blank != std::string::npos && blank > indent_of(line);
+    const std::size_t end = is_after_word ? blank : fits;
+    lines.push_back(line.substr(0, end));
+    line.replace(0, is_after_word ? end + 1 : end, indent);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> page(std::string_view text, std::size_t rows, std::size_t columns) {
+  std::vector<std::string> lines;
+  if (rows == 0 || columns == 0) {
+    return lines;
+  }
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string line(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    std::ranges::replace_if(line, moves_cursor, '?');
+    if (is_row_of_table(line)) {
+      lines.push_back(line.substr(0, bytes_of(line, columns)));
+    } else {
+      fold(std::move(line), columns, lines);
+    }
+  }
+  if (lines.size() > rows) {
+    const std::size_t hidden = lines.size() - rows + 1;
+    const std::string note =
+        fmt::format("... {} lines more: the window is too small for them", hidden);
+    lines.resize(rows);
+    lines.back() = note.substr(0, columns);
+  }
+  return lines;
 }
 
 }  // namespace mbgate::ctl

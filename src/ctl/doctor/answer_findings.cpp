@@ -4,8 +4,8 @@
 #include <iterator>
 
 #include "base/text.hpp"
-#include "config/toml/duration_text.hpp"
-#include "ctl/doctor/line_findings.hpp"
+#include "config/toml/toml_value.hpp"
+#include "ctl/doctor/findings.hpp"
 #include "ctl/doctor/trial.hpp"
 #include "modbus/codes.hpp"
 

@@ -6,14 +6,11 @@
 #include <utility>
 
 #include "base/text.hpp"
-#include "config/toml/duration_text.hpp"
-#include "ctl/doctor/idle_line.hpp"
-#include "ctl/doctor/line_findings.hpp"
-#include "ctl/doctor/port_facts_shell.hpp"
+#include "config/toml/toml_value.hpp"
+#include "ctl/doctor/findings.hpp"
 #include "ctl/doctor/questions_shell.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "ctl/request/repetition.hpp"
-#include "ctl/request/report.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -155,7 +152,7 @@ int examine_and_print(const LinePlan& plan, const DoctorCommand& command, std::o
 
 }  // namespace
 
-int examine_line(const DoctorCommand& command, std::ostream& out, std::ostream& errors) {
+int run(const DoctorCommand& command, std::ostream& out, std::ostream& errors) {
   if (command.port) {
     return examine_and_print(plan_of_port(command), command, out, errors);
   }

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/doctor/idle_line.hpp"
-
 #include <algorithm>
 #include <fmt/core.h>
 
 #include "base/text.hpp"
-#include "config/toml/duration_text.hpp"
-#include "ctl/doctor/bus_frames.hpp"
+#include "config/toml/toml_value.hpp"
+#include "ctl/doctor/findings.hpp"
+#include "ctl/serial/heard.hpp"
 #include "modbus/describe.hpp"
 
 namespace mbgate::ctl {

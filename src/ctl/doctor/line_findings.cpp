@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/doctor/line_findings.hpp"
 
 #include <algorithm>
 #include <fmt/core.h>
 #include <iterator>
 
 #include "base/text.hpp"
-#include "ctl/doctor/idle_line.hpp"
+#include "ctl/doctor/findings.hpp"
 #include "ctl/doctor/trial.hpp"
 
 namespace mbgate::ctl {

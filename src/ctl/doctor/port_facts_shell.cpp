@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/doctor/port_facts_shell.hpp"
-
 #include <fcntl.h>
 #include <grp.h>
 #include <pwd.h>
@@ -10,7 +8,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdint>
 #include <filesystem>
 #include <fmt/core.h>
 #include <fstream>
@@ -18,6 +15,7 @@
 #include <sstream>
 
 #include "base/text.hpp"
+#include "ctl/doctor/findings.hpp"
 #include "ctl/serial/serial_port.hpp"
 
 namespace mbgate::ctl {

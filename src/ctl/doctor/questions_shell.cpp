@@ -5,8 +5,6 @@
 #include <iterator>
 #include <utility>
 
-#include "ctl/doctor/trial.hpp"
-
 namespace mbgate::ctl {
 namespace {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "ctl/doctor/idle_line.hpp"
+#include "ctl/doctor/findings.hpp"
 #include "ctl/doctor/trial.hpp"
 #include "ctl/request/repetition.hpp"
 #include "ctl/serial/serial_client.hpp"

@@ -5,7 +5,6 @@
 #include <iterator>
 #include <numeric>
 
-#include "ctl/doctor/bus_frames.hpp"
 #include "modbus/describe.hpp"
 
 namespace mbgate::ctl {

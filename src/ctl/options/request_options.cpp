@@ -77,7 +77,7 @@ Place place_of(const PlaceWords& words) {
                   return it.text;
                 })->value;
   place.order = words.order == "big" ? drive::WordOrder::big : drive::WordOrder::little;
-  const bool bits = place.table == Table::coils || place.table == Table::discrete_inputs;
+  const bool bits = modbus::holds_bits(place.table);
   if (bits && !words.type.empty()) {
     throw WrongUsage("--type is for registers: " + words.table + " hold bits");
   }

@@ -3,7 +3,7 @@
 //
 // To change
 // - a type of value, or its output, in mbgatectl: ctl/request/value_text; as lines or JSON:
-//   ctl/request/report.
+//   ctl/request/report.cpp.
 // - the checks of mbgatectl --tls, and its messages when a handshake fails: ctl/tls/handshake; its
 //   options: subcommands.
 // - the output of mbgatectl trace: ctl/trace/trace_lines; from JSON: ctl/trace/trace_event; the
@@ -18,6 +18,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <variant>
 
 #include "ctl/request/command.hpp"
 
@@ -82,5 +83,18 @@ void add_control(CLI::App& command, std::string& socket);
 
 /// The server; its unit is not set.
 Target target_of(const ServerWords& words);
+
+// Parses the command line of mbgatectl: "mbgatectl read holding 0x1E --type i32 --unit 1".
+
+/// Text to print instead of running a command: help or the version (status 0), or an error (status
+/// 2).
+struct Notice {
+  int status;
+  std::string text;
+};
+
+/// `version` is what --version prints.
+std::variant<Command, Notice> parse_command_line(const std::string& version, int count,
+                                                 const char* const* arguments);
 
 }  // namespace mbgate::ctl

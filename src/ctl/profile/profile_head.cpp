@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/text.hpp"
-#include "config/toml/duration_text.hpp"
+#include "config/toml/toml_value.hpp"
 #include "ctl/profile/profile_text.hpp"
 #include "ctl/visible_text.hpp"
 

@@ -2,8 +2,8 @@
 #include <boost/json.hpp>
 #include <string_view>
 
-#include "config/toml/duration_text.hpp"
 #include "config/toml/match_entry.hpp"
+#include "config/toml/toml_value.hpp"
 #include "ctl/profile/profile_text.hpp"
 
 namespace mbgate::ctl {
@@ -29,14 +29,9 @@ json::array array_of(const List& list, One one) {
   return array;
 }
 
-template <typename Number>
-json::value number_or_null(const std::optional<Number>& number) {
-  return number ? json::value(*number) : json::value(nullptr);
-}
-
 void add_source(json::object& object, const Source& source) {
   object["name"] = text(source.name);
-  object["line"] = number_or_null(source.line);
+  object["line"] = json::value_from(source.line);
   if (!source.note.empty()) {
     object["note"] = text(source.note);
   }
@@ -126,7 +121,7 @@ json::object broadcast_json(const ProfileFile& file) {
   json::object object{{"form", !form                 ? "none"
                                : form->is_standard() ? "standard"
                                                      : "own"},
-                      {"most_registers", number_or_null(broadcast.most_registers)}};
+                      {"most_registers", json::value_from(broadcast.most_registers)}};
   object["allowed"] = broadcast.allowed ? json::value(ranges_json(file, file.broadcast_allowed))
                                         : json::value(nullptr);
   return object;
@@ -203,7 +198,7 @@ std::string profile_json(const config::ProfileFile& file) {
                                ? text(config::to_text(*profile.response_timeout))
                                : json::value(nullptr)},
       {"response_wait", text(config::to_text(profile.response_wait))},
-      {"write_function", number_or_null(profile.write_function)},
+      {"write_function", json::value_from(profile.write_function)},
       {"input_as_holding", profile.input_as_holding},
       {"broadcast", broadcast_json(file)},
       {"values32", firsts(profile.values, 2)},

@@ -8,8 +8,8 @@
 
 #include "base/text.hpp"
 #include "config/profiles/profile_library.hpp"
-#include "config/toml/duration_text.hpp"
 #include "config/toml/match_entry.hpp"
+#include "config/toml/toml_value.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "ctl/visible_text.hpp"
 
@@ -207,7 +207,7 @@ int list(config::ProfileLibrary& library, bool as_json, std::ostream& out, std::
 
 }  // namespace
 
-int show_profile(const ProfileCommand& command, std::ostream& out, std::ostream& errors) {
+int run(const ProfileCommand& command, std::ostream& out, std::ostream& errors) {
   const bool names_file =
       command.which.find('/') != std::string::npos || command.which.ends_with(".toml");
   if (names_file) {

@@ -38,7 +38,7 @@ void print_same(const ReplayOutcome& outcome, std::ostream& out) {
 
 }  // namespace
 
-int replay_recording(const ReplayCommand& command, std::ostream& out, std::ostream& errors) {
+int run(const ReplayCommand& command, std::ostream& out, std::ostream& errors) {
   const std::string file = command.recording.string();
   std::error_code ignored;
   if (std::filesystem::is_directory(command.recording, ignored)) {

@@ -7,11 +7,8 @@
 #include <ostream>
 #include <string_view>
 
-#include "config/check_summary.hpp"
 #include "config/load.hpp"
-#include "ctl/request/modbus_client.hpp"
 #include "ctl/request/repetition.hpp"
-#include "ctl/request/report.hpp"
 #include "modbus/codes.hpp"
 
 namespace mbgate::ctl {
@@ -36,33 +33,13 @@ std::string_view meaning(std::uint8_t code) {
   }
 }
 
-template <typename... Functions>
-struct Overloaded : Functions... {
-  using Functions::operator()...;
-};
-
 }  // namespace
 
 int carry_out(const Command& command, std::ostream& out, std::ostream& errors) {
-  return std::visit(
-      Overloaded{
-          [&](const ReadCommand& it) { return read_values(it, out, errors); },
-          [&](const WriteCommand& it) { return write_values(it, out, errors); },
-          [&](const ProfileCommand& it) { return show_profile(it, out, errors); },
-          [&](const ScanCommand& it) { return scan(it, out, errors); },
-          [&](const CheckCommand& it) { return check_config(it, out, errors); },
-          [&](const DoctorCommand& it) { return examine_line(it, out, errors); },
-          [&](const ReplayCommand& it) { return replay_recording(it, out, errors); },
-          [&](const StatusCommand& it) { return show_status(it, out, errors); },
-          [&](const ReloadCommand& it) { return reload(it, out, errors); },
-          [&](const ClearCountersCommand& it) { return clear_counters(it, out, errors); },
-          [&](const EventsCommand& it) { return follow_events(it, out, errors); },
-          [&](const TraceCommand& it) { return follow_trace(it, out, errors); },
-      },
-      command);
+  return std::visit([&](const auto& it) { return run(it, out, errors); }, command);
 }
 
-int write_values(const WriteCommand& command, std::ostream& out, std::ostream& errors) {
+int run(const WriteCommand& command, std::ostream& out, std::ostream& errors) {
   const auto request = make_request(command);
   if (!request) {
     return report_failure({kExitUsage, request.error()}, command.json, out, errors);
@@ -75,7 +52,7 @@ int write_values(const WriteCommand& command, std::ostream& out, std::ostream& e
   return kExitDone;
 }
 
-int check_config(const CheckCommand& command, std::ostream& out, std::ostream& errors) {
+int run(const CheckCommand& command, std::ostream& out, std::ostream& errors) {
   const auto loaded = config::load_settings(command.config, {.folder = command.folder});
   errors << config::render(loaded.diagnostics) << std::flush;
   if (!loaded.settings) {
@@ -155,7 +132,7 @@ int repeat_read(const ReadCommand& command, const modbus::Request& request, std:
 
 }  // namespace
 
-int read_values(const ReadCommand& command, std::ostream& out, std::ostream& errors) {
+int run(const ReadCommand& command, std::ostream& out, std::ostream& errors) {
   const auto request = make_request(command);
   if (!request) {
     return report_failure({kExitUsage, request.error()}, command.json, out, errors);

@@ -2,8 +2,6 @@
 #include "ctl/request/command.hpp"
 
 #include <fmt/core.h>
-#include <optional>
-#include <vector>
 
 #include "modbus/make_request.hpp"
 
@@ -17,8 +15,6 @@ constexpr std::size_t kMostWrittenBits = 1968;
 constexpr std::size_t kMostWrittenRegisters = 123;
 constexpr std::size_t kAddresses = 65536;
 constexpr std::uint16_t kCoilOn = 0xFF00;
-
-bool holds_bits(Table table) { return table == Table::coils || table == Table::discrete_inputs; }
 
 /// Nothing if `count` values fit into one request and into the table, else what is wrong.
 std::optional<std::string> find_misfit(const Place& place, std::size_t count,
@@ -71,7 +67,7 @@ modbus::Request write_registers(const WriteCommand& command) {
 }  // namespace
 
 Result<modbus::Request, std::string> make_request(const ReadCommand& command) {
-  const bool bits = holds_bits(command.place.table);
+  const bool bits = modbus::holds_bits(command.place.table);
   if (auto misfit =
           find_misfit(command.place, command.count, bits ? kMostReadBits : kMostReadRegisters)) {
     return *misfit;
@@ -81,7 +77,7 @@ Result<modbus::Request, std::string> make_request(const ReadCommand& command) {
 }
 
 Result<modbus::Request, std::string> make_request(const WriteCommand& command) {
-  const bool bits = holds_bits(command.place.table);
+  const bool bits = modbus::holds_bits(command.place.table);
   if (auto misfit = find_misfit(command.place, command.values.size(),
                                 bits ? kMostWrittenBits : kMostWrittenRegisters)) {
     return *misfit;
@@ -92,7 +88,7 @@ Result<modbus::Request, std::string> make_request(const WriteCommand& command) {
 std::vector<std::uint64_t> response_values(const ReadCommand& command,
                                            const modbus::Pdu& response) {
   const auto data = response.bytes().subspan(2);  // after function and byte count
-  if (!holds_bits(command.place.table)) {
+  if (!modbus::holds_bits(command.place.table)) {
     std::vector<std::uint16_t> registers;
     for (std::size_t at = 0; at + 1 < data.size(); at += 2) {
       registers.push_back(modbus::load_be16(data, at));

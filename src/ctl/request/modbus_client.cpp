@@ -8,14 +8,12 @@
 #include <array>
 #include <cerrno>
 #include <fmt/core.h>
-#include <utility>
 #include <variant>
 #include <vector>
 
-#include "base/host_and_port.hpp"
-#include "config/toml/duration_text.hpp"
+#include "base/text.hpp"
+#include "config/toml/toml_value.hpp"
 #include "ctl/request/carry_out.hpp"
-#include "ctl/tls/handshake.hpp"
 #include "modbus/codes.hpp"
 #include "modbus/mbap.hpp"
 #include "modbus/response.hpp"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/request/report.hpp"
-
 #include <bit>
 #include <boost/json.hpp>
 #include <charconv>
@@ -9,6 +7,7 @@
 #include <ostream>
 
 #include "config/toml/match_entry.hpp"
+#include "ctl/request/carry_out.hpp"
 #include "ctl/request/value_text.hpp"
 
 namespace mbgate::ctl {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/request/value_text.hpp"
 
-#include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>

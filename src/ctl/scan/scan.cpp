@@ -143,10 +143,9 @@ Answer answer_of(const modbus::TableRange& read, const modbus::Pdu& response) {
     return answer;
   }
   answer.kind = AnswerKind::data;
-  const bool bits = read.table == Table::coils || read.table == Table::discrete_inputs;
   ReadCommand command;
-  command.place = {read.table, read.first, bits ? ValueType::bit : ValueType::u16,
-                   drive::WordOrder::big};
+  command.place = {read.table, read.first,
+                   modbus::holds_bits(read.table) ? ValueType::bit : ValueType::u16};
   command.count = read.count;
   for (const auto value : response_values(command, response)) {
     answer.registers.push_back(static_cast<std::uint16_t>(value));

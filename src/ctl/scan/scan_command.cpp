@@ -9,7 +9,6 @@
 #include "config/profiles/profile_library.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "ctl/request/modbus_client.hpp"
-#include "ctl/request/report.hpp"
 #include "ctl/scan/scan.hpp"
 #include "ctl/scan/scan_report.hpp"
 #include "modbus/make_request.hpp"
@@ -169,7 +168,7 @@ ScanResult scan_through_gateway(const ScanCommand& command, const Catalogue& cat
 
 }  // namespace
 
-int scan(const ScanCommand& command, std::ostream& out, std::ostream& errors) {
+int run(const ScanCommand& command, std::ostream& out, std::ostream& errors) {
   std::error_code ignored;
   if (command.config && std::filesystem::exists(*command.config, ignored)) {
     return report_failure({kExitUsage, command.config->string() + " is there already"},

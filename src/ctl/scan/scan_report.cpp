@@ -7,8 +7,8 @@
 
 #include "base/text.hpp"
 #include "config/profiles/profile_library.hpp"
-#include "config/toml/duration_text.hpp"
 #include "config/toml/match_entry.hpp"
+#include "config/toml/toml_value.hpp"
 #include "ctl/profile/profile_text.hpp"
 #include "ctl/visible_text.hpp"
 
@@ -157,15 +157,9 @@ boost::json::object result_json(const ScanResult& result,
   for (const auto& unit : result.found) {
     units.push_back(unit_json(unit));
   }
-  boost::json::array busy;
-  for (const auto unit : result.busy) {
-    busy.emplace_back(unit);
-  }
-  boost::json::object object{{"units", std::move(units)}, {"busy", std::move(busy)}};
-  object["configuration"] = nullptr;
-  if (configuration) {
-    object["configuration"] = *configuration;
-  }
+  boost::json::object object{{"units", std::move(units)},
+                             {"busy", boost::json::value_from(result.busy)},
+                             {"configuration", boost::json::value_from(configuration)}};
   if (error) {
     object["error"] = *error;
   }
@@ -191,11 +185,7 @@ std::string scan_json(const PortScan& scan, const std::optional<std::string>& co
                       const std::optional<std::string>& error) {
   auto object = result_json(scan.result, configuration, error);
   object["line"] = scan.line ? line_json(*scan.line) : boost::json::value(nullptr);
-  boost::json::array notes;
-  for (const auto& note : scan.notes) {
-    notes.emplace_back(note);
-  }
-  object["notes"] = std::move(notes);
+  object["notes"] = boost::json::value_from(scan.notes);
   return boost::json::serialize(object);
 }
 

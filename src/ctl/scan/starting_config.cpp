@@ -2,7 +2,6 @@
 #include <array>
 #include <fmt/format.h>
 
-#include "config/toml/duration_text.hpp"
 #include "config/toml/match_entry.hpp"
 #include "config/toml/toml_value.hpp"
 #include "ctl/scan/scan_report.hpp"

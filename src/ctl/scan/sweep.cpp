@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/text.hpp"
-#include "config/toml/duration_text.hpp"
+#include "config/toml/toml_value.hpp"
 #include "ctl/serial/serial_client.hpp"
 
 namespace mbgate::ctl {

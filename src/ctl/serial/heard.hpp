@@ -3,9 +3,12 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
+#include "modbus/bytes.hpp"
 #include "modbus/request.hpp"
 #include "modbus/rtu.hpp"
 
@@ -51,5 +54,33 @@ class SentRead {
   modbus::Request request_;
   modbus::RtuBytes frame_;
 };
+
+// The whole RTU frames in bytes that were heard, wherever they begin. Only those of functions that
+// determine their length are known: without it nothing tells a frame from noise.
+
+/// So many bytes an adapter or a transceiver makes up, when it is switched on or turns round. More
+/// of them may be what is left of another client's frames.
+inline constexpr std::size_t kFewBytes = 2;
+
+enum class FrameKind : std::uint8_t {
+  request,
+  response,
+  either  ///< some writes are acknowledged by themselves
+};
+
+struct BusFrame {
+  std::size_t begin;
+  std::size_t size;
+  std::uint8_t unit;
+  FrameKind kind;
+  friend bool operator==(const BusFrame&, const BusFrame&) = default;
+};
+
+struct BusFrames {
+  std::vector<BusFrame> frames{};
+  std::size_t stray = 0;  ///< bytes that belong to none
+};
+
+BusFrames find_frames(modbus::Bytes heard);
 
 }  // namespace mbgate::ctl

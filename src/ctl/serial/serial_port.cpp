@@ -6,9 +6,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <iterator>
-#include <optional>
 #include <system_error>
-#include <utility>
 
 #include "base/text.hpp"
 
@@ -174,13 +172,7 @@ std::vector<modbus::CharacterFormat> formats(Parity parity,
 }  // namespace
 
 std::string mode_text(const LineMode& mode) {
-  std::string text = fmt::format("{} 8", fmt::underlying(mode.baud));
-  switch (mode.format.parity) {
-    case Parity::none: text += 'N'; break;
-    case Parity::even: text += 'E'; break;
-    case Parity::odd: text += 'O'; break;
-  }
-  return text + std::to_string(mode.format.stop_bits);
+  return fmt::format("{} {}", fmt::underlying(mode.baud), modbus::format_text(mode.format));
 }
 
 std::string_view parity_word(Parity parity) {

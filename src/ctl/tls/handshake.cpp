@@ -19,7 +19,7 @@
 #include <utility>
 
 #include "ctl/visible_text.hpp"
-#include "routing/role_extension.hpp"
+#include "routing/client_role.hpp"
 #include "sys/openssl.hpp"
 #include "sys/tls_pump.hpp"
 

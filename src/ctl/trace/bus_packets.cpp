@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "ctl/trace/trace_capture.hpp"
-#include "ctl/trace/trace_lines.hpp"
+#include "ctl/trace/trace_event.hpp"
 #include "modbus/ascii.hpp"
 #include "modbus/mbap.hpp"
 #include "modbus/request.hpp"

@@ -6,8 +6,6 @@
 #include <array>
 #include <string_view>
 
-#include "modbus/bytes.hpp"
-
 namespace mbgate::ctl {
 namespace {
 

@@ -5,7 +5,7 @@
 #include <fmt/core.h>
 #include <stdexcept>
 
-#include "ctl/trace/trace_lines.hpp"
+#include "ctl/trace/trace_event.hpp"
 
 namespace mbgate::ctl {
 namespace {

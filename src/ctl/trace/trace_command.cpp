@@ -8,7 +8,6 @@
 #include "ctl/control/event_reader.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "ctl/request/repetition.hpp"
-#include "ctl/request/report.hpp"
 #include "ctl/trace/trace_printer.hpp"
 
 namespace mbgate::ctl {
@@ -20,7 +19,7 @@ std::string cannot_write(const std::string& file) {
 
 }  // namespace
 
-int follow_trace(const TraceCommand& command, std::ostream& out, std::ostream& errors) {
+int run(const TraceCommand& command, std::ostream& out, std::ostream& errors) {
   const auto fail = [&](const std::string& why) {
     return report_failure({kExitNotDone, why}, command.json, out, errors);
   };

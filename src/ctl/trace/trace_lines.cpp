@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/trace/trace_lines.hpp"
-
 #include <ctime>
 #include <fmt/chrono.h>
 #include <string_view>
 #include <vector>
 
 #include "base/text.hpp"
+#include "ctl/trace/trace_event.hpp"
 #include "modbus/codes.hpp"
 #include "modbus/describe.hpp"
 #include "modbus/mbap.hpp"

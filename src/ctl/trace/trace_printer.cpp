@@ -7,10 +7,9 @@
 #include <boost/json/value.hpp>
 #include <fmt/core.h>
 #include <ostream>
-#include <stdexcept>
 #include <string_view>
 
-#include "ctl/trace/trace_lines.hpp"
+#include "ctl/trace/trace_event.hpp"
 #include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {

@@ -2,10 +2,7 @@
 
 #include "gateway/access/report_limit.hpp"
 
-#include <utility>
-
 #include "gateway/access/who.hpp"
-#include "gateway/limits.hpp"
 
 namespace mbgate::gateway {
 

@@ -3,13 +3,18 @@
 //
 // To change
 // - the match of a rule: routing/access_rules; its registers: routing/register_set; the registers
-//   and devices of a request, and which clients may connect: rule_verdict; rates: access_book.
+//   and devices of a request, and which clients may connect, and rates: rule_verdict.
 // - when a request is checked: gateway/clients/intake; lines about denied requests: report_limit.
 // - rules in the configuration: config/sections/rule_section, rule_registers; warnings:
 //   config/checks/rule_checks.
 // - --check --who: who, app/who/who_options; the places of the other keys: config/diagnostic.
 #pragma once
 
+#include <cstdint>
+#include <map>
+#include <utility>
+
+#include "gateway/second_rate.hpp"
 #include "gateway/settings/settings_snapshot.hpp"
 #include "routing/access_rules.hpp"
 #include "routing/plan.hpp"
@@ -45,5 +50,26 @@ struct RuleVerdict {
 
 /// Why it is denied, for people: `rule "panel" (mbgate.toml:12)`, "no rule permits it", ...
 [[nodiscard]] std::string denied_by_text(const RuleVerdict& verdict, const ClientInfo& client);
+
+// Remembers for rules with a rate how many requests of each client they have permitted lately.
+// Without rules it holds nothing.
+
+class AccessBook {
+ public:
+  /// A request that the verdict permits is let through, unless the client is over the
+  /// rate of a rule: then false. `rate = "10/s"` lets ten through at once, and then one every 100
+  /// ms.
+  [[nodiscard]] bool take(const RuleVerdict& verdict, const ClientKey& client, Instant now);
+  /// Other rules are in force: what the old ones have let through does not count.
+  void forget_rates() { rates_.clear(); }
+
+ private:
+  using Key = std::pair<const routing::AccessRule*, ClientKey>;
+  [[nodiscard]] bool has_room(const routing::AccessRule* rule, const ClientKey& client,
+                              Instant now);
+  void count(const routing::AccessRule* rule, const ClientKey& client, Instant now);
+
+  std::map<Key, SecondRate> rates_;
+};
 
 }  // namespace mbgate::gateway

@@ -6,8 +6,8 @@
 
 #include "gateway/access/rule_verdict.hpp"
 #include "gateway/writes/write_rules.hpp"
-#include "routing/access.hpp"
-#include "routing/address_window.hpp"
+#include "routing/resolved_route.hpp"
+#include "routing/route.hpp"
 
 namespace mbgate::gateway {
 namespace {

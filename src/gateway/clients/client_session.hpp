@@ -4,17 +4,88 @@
 #pragma once
 
 #include <boost/container/small_vector.hpp>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <vector>
 
+#include "bus/instant.hpp"
 #include "gateway/client.hpp"
-#include "gateway/clients/client_input.hpp"
-#include "gateway/clients/due_answers.hpp"
 #include "gateway/limits.hpp"
-#include "routing/access.hpp"
+#include "modbus/bytes.hpp"
+#include "modbus/mbap.hpp"
+#include "routing/resolved_route.hpp"
 
 namespace mbgate::gateway {
+
+// The answers that a client is still to get: their number, and the ones that wait for earlier
+// answers (`ordered`).
+
+class DueAnswers {
+ public:
+  using Ready = boost::container::small_vector<modbus::MbapBytes, 1>;
+
+  explicit DueAnswers(bool ordered) : ordered_(ordered) {}
+
+  /// Requests whose answer is due.
+  [[nodiscard]] std::size_t unanswered() const { return open_ + held_.size(); }
+  /// And those whose answer has not been completely written.
+  [[nodiscard]] std::size_t outstanding() const { return unanswered() + unsent_; }
+
+  /// A request was taken: its answer is due.
+  AnswerId open();
+  /// `adu`: the answer; nothing: there will be none. Returns the ADUs that are to be sent now: with
+  /// `ordered = true` an answer waits for those before it.
+  Ready close(AnswerId id, const std::optional<modbus::MbapBytes>& adu);
+  /// An answer has been completely written.
+  void confirm_sent();
+
+ private:
+  struct Held {
+    bool done = false;
+    std::optional<modbus::MbapBytes> adu;
+  };
+
+  bool ordered_;
+  std::size_t open_ = 0;    // unordered: answers that are due
+  std::size_t unsent_ = 0;  // answers on their way to the socket
+  std::deque<Held> held_;   // ordered: answers due or waiting, oldest first
+  std::uint64_t first_held_ = 0;
+};
+
+// Bytes of a client that have not become requests yet: an incomplete request, or requests beyond
+// the number that a connection may have.
+
+class ClientInput {
+ public:
+  /// `arrival`: when they arrived in the socket, or earlier.
+  void append(modbus::Bytes bytes, bus::Instant arrival, bus::Instant now) {
+    bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(consumed_));
+    consumed_ = 0;
+    first_ = bytes_.empty() ? arrival : first_;
+    last_ = arrival;
+    read_at_ = now;
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  }
+  void consume(std::size_t bytes) {
+    consumed_ += bytes;
+    first_ = last_;
+  }
+  [[nodiscard]] bool empty() const { return bytes().empty(); }
+  [[nodiscard]] modbus::Bytes bytes() const { return modbus::Bytes(bytes_).subspan(consumed_); }
+  /// Of the first byte.
+  [[nodiscard]] bus::Instant arrival() const { return first_; }
+  /// When the last of them were read.
+  [[nodiscard]] bus::Instant read_at() const { return read_at_; }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+  std::size_t consumed_ = 0;  // of these
+  bus::Instant first_;
+  bus::Instant last_;
+  bus::Instant read_at_;
+};
 
 class ClientSession {
  public:

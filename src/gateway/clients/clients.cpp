@@ -107,7 +107,7 @@ void Clients::serve(ClientSession& session, Instant now) {
   for (; front.frame; front = intake_.front(session)) {
     Request& request = intake_.take(session, *front.frame, now);
     const bool may_ask = request.is_stop || intake_.phase() != Phase::running ||
-                         (door_.may_ask(session, now) && has_room_for_requests());
+                         (door_.may_ask(session, now) && exchanges_.open_count() < kRequestsOfAll);
     if (!may_ask && !request.refused) {
       request.for_gateway = false;
       request.refused = modbus::ExceptionCode::server_device_busy;

@@ -3,9 +3,8 @@
 // when it is closed.
 //
 // To change
-// - MBAP, from bytes to requests and back: intake, requests; back-pressure, half-closed clients:
-//   client_session.
-// - the order of answers, and how many are outstanding: due_answers.
+// - MBAP, from bytes to requests and back: intake, requests; back-pressure, half-closed clients,
+//   the order of answers, and how many are outstanding: client_session.
 // - admission of clients, making room, connection limits: client_admission; limits of a client
 //   address: address_limits.
 // - idle and frame timeouts: clients, sessions, client_session.
@@ -55,9 +54,6 @@ class Clients {
 
  private:
   void serve(ClientSession& session, Instant now);
-  [[nodiscard]] bool has_room_for_requests() const {
-    return exchanges_.open_count() < kRequestsOfAll;
-  }
   void leave(ClientSession& session, Instant now);
 
   const SettingsHistory& settings_;

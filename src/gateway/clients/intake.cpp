@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "gateway/limits.hpp"
-#include "gateway/settings/settings_snapshot.hpp"
 
 namespace mbgate::gateway {
 

@@ -9,8 +9,8 @@
 #include <set>
 #include <utility>
 
-#include "gateway/access/access_book.hpp"
 #include "gateway/access/report_limit.hpp"
+#include "gateway/access/rule_verdict.hpp"
 #include "gateway/action.hpp"
 #include "gateway/clients/client_session.hpp"
 #include "gateway/settings/settings_snapshot.hpp"

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/clients/sessions.hpp"
 
-#include <algorithm>
-#include <utility>
-
 namespace mbgate::gateway {
 bool Sessions::is_full(ListenerId listener) const {
   return on_listener_[static_cast<std::size_t>(listener)] >=

@@ -5,17 +5,82 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
+#include "bus/counters.hpp"
 #include "gateway/client.hpp"
 #include "gateway/clients/client_session.hpp"
-#include "gateway/clients/client_timers.hpp"
-#include "gateway/clients/listener_counters.hpp"
+#include "gateway/event.hpp"
 
 namespace mbgate::gateway {
+
+// The counters of one listener, for all its clients together.
+
+/// The reasons for metrics and status, by RefusalReason.
+inline constexpr std::array kRefusalNames = {"not_allowed", "full",         "stopping",
+                                             "no_rule",     "address_full", "too_often"};
+
+struct ListenerCounters {
+  std::uint64_t connections = 0;  ///< let in
+  /// Of these, closed to make room for others, because of max_connections and of
+  /// max_connections_per_address.
+  std::uint64_t displaced_full = 0;
+  std::uint64_t displaced_address_full = 0;
+  std::uint64_t requests = 0;
+  std::uint64_t over_rate = 0;  ///< requests beyond max_requests_per_second of their client
+  /// Requests that the gateway itself has answered with an exception.
+  bus::ExceptionCounts refused_reads;
+  bus::ExceptionCounts refused_writes;
+  /// Connections that were not let in, by RefusalReason.
+  std::array<std::uint64_t, kRefusalNames.size()> refused_connections{};
+
+  void note_refused(bool is_read, std::uint8_t code) {
+    (is_read ? refused_reads : refused_writes).note(code);
+  }
+  void note_displaced(RefusalReason limit) {
+    ++(limit == RefusalReason::full ? displaced_full : displaced_address_full);
+  }
+  void note_refused(RefusalReason reason) {
+    ++refused_connections.at(static_cast<std::size_t>(reason));
+  }
+};
+
+// When a client must be checked next (idle timeout, incomplete request). One entry for each client;
+// one that is checked too early is entered again.
+
+class ClientTimers {
+ public:
+  /// Sets the client's time, in place of the one that it had (`before`).
+  void set(ClientId client, std::optional<Instant> before, Instant at) {
+    cancel(client, before);
+    entries_.emplace(at, client);
+  }
+  void cancel(ClientId client, std::optional<Instant> before) {
+    if (before) {
+      entries_.erase({*before, client});
+    }
+  }
+  [[nodiscard]] std::optional<Instant> next() const {
+    return entries_.empty() ? std::nullopt : std::optional(entries_.begin()->first);
+  }
+  /// Removes and returns a client whose time has come; nothing if there is none.
+  std::optional<ClientId> take_due(Instant now) {
+    if (entries_.empty() || entries_.begin()->first > now) {
+      return std::nullopt;
+    }
+    return entries_.extract(entries_.begin()).value().second;
+  }
+
+ private:
+  std::set<std::pair<Instant, ClientId>> entries_;
+};
 
 class Sessions {
  public:

@@ -9,7 +9,6 @@
 #include "bus/job.hpp"
 #include "gateway/action.hpp"
 #include "gateway/client.hpp"
-#include "gateway/settings/device_index.hpp"
 #include "gateway/settings/settings_snapshot.hpp"
 #include "modbus/mbap.hpp"
 #include "routing/plan.hpp"

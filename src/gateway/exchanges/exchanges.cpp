@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "base/assert.hpp"
-#include "gateway/exchanges/exchange.hpp"
 #include "gateway/limits.hpp"
 #include "gateway/settings/numbering.hpp"
 

@@ -3,9 +3,9 @@
 // requests whose jobs have all ended are polled.
 //
 // To change
-// - which exception a failure becomes: exchange.
-// - the journal's lines about a write that ended half-way, or that changed how a drive is reached:
-//   write_effects.
+// - which exception a failure becomes, and the journal's lines about a write that ended half-way,
+// or
+//   that changed how a drive is reached: exchange.
 #pragma once
 
 #include <optional>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/settings/numbering.hpp"
 
-#include <algorithm>
 #include <utility>
 
 namespace mbgate::gateway {
@@ -112,11 +111,6 @@ bool keeps_line(const Settings& old, const Settings& next, BusId bus) {
 bool keeps_device(const Settings& old, const Settings& next, std::size_t device) {
   return device < old.devices.size() && !old.devices[device].is_gone() &&
          !next.devices[device].is_gone();
-}
-
-bool keeps_place(const Settings& old, const Settings& next, std::size_t device) {
-  return keeps_device(old, next, device) && old.devices[device].bus == next.devices[device].bus &&
-         old.devices[device].address == next.devices[device].address;
 }
 
 }  // namespace mbgate::gateway

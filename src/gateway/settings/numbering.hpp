@@ -25,7 +25,4 @@ namespace mbgate::gateway {
 /// Is the device in both settings?
 [[nodiscard]] bool keeps_device(const Settings& old, const Settings& next, std::size_t device);
 
-/// Is it also at the same address of the same bus?
-[[nodiscard]] bool keeps_place(const Settings& old, const Settings& next, std::size_t device);
-
 }  // namespace mbgate::gateway

@@ -40,18 +40,6 @@ bool was_heard_within(const DeviceStatus& device, Duration ago) {
 
 }  // namespace
 
-std::string passed_text(Duration duration) {
-  using namespace std::chrono;
-  if (duration < minutes(2)) {
-    return fmt::format("{} s", floor<seconds>(duration).count());
-  }
-  if (duration < hours(2)) {
-    return fmt::format("{} min", floor<minutes>(duration).count());
-  }
-  return duration < days(2) ? fmt::format("{} h", floor<hours>(duration).count())
-                            : fmt::format("{} days", floor<days>(duration).count());
-}
-
 std::string mode_text(const BusStatus& bus) {
   return fmt::format("{} baud {}", fmt::underlying(bus.baud), format_text(bus.format));
 }

@@ -11,8 +11,6 @@
 
 namespace mbgate::gateway {
 
-/// Whole units that are over: "5 s", "12 min", "3 h", "9 days".
-std::string passed_text(Duration duration);
 /// "19200 baud 8E1"
 std::string mode_text(const BusStatus& bus);
 

@@ -140,16 +140,6 @@ void add_unnamed(const bus::Bus& bus, std::size_t place, bool is_serial, Instant
 
 }  // namespace
 
-std::string format_text(const modbus::CharacterFormat& format) {
-  char parity = 'N';
-  switch (format.parity) {
-    case modbus::Parity::none: break;
-    case modbus::Parity::even: parity = 'E'; break;
-    case modbus::Parity::odd: parity = 'O'; break;
-  }
-  return fmt::format("{}{}{}", format.data_bits, parity, format.stop_bits);
-}
-
 StatusReport make_status_report(const StatusSources& sources, Duration uptime, Instant now,
                                 bool with_clients) {
   const Settings& settings = sources.settings;

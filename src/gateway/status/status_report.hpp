@@ -4,8 +4,8 @@
 //
 // To change
 // - the contents of the status: status_report; as JSON: app/control/status_json, docs/api.yaml; for
-//   people: ctl/control/status_text; drawn in place: ctl/control/status_command, cut to the window:
-//   ctl/control/page.
+//   people: ctl/control/status_text, which cuts it to the window too; drawn in place:
+//   ctl/control/status_command.
 // - faults, and when they are found: of a device diagnosis, of a line line_findings.
 // - the duration of requests: bus/health/answer_times; transmissions unanswered since a device was
 //   heard: bus/health/silence; the state of a device, and its beginning: bus/health/device_health.
@@ -141,9 +141,6 @@ struct StatusReport {
   std::vector<ClientStatus> clients;  ///< if they were asked for
   std::vector<ListenerStatus> listeners;
 };
-
-/// "8E1"
-std::string format_text(const modbus::CharacterFormat& format);
 
 /// What a report is made of.
 struct StatusSources {

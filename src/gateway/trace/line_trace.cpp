@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <utility>
 
 #include "modbus/ascii.hpp"
 #include "modbus/mbap.hpp"

@@ -2,7 +2,6 @@
 #include "gateway/trace/trace_book.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace mbgate::gateway {
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/trace/trace_text.hpp"
-
 #include <algorithm>
 #include <fmt/core.h>
 
+#include "gateway/trace/trace_record.hpp"
 #include "modbus/ascii.hpp"
 #include "modbus/checksum.hpp"
 #include "modbus/describe.hpp"

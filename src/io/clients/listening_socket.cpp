@@ -16,7 +16,7 @@
 #include <utility>
 
 #include "io/advice.hpp"
-#include "routing/listen_address.hpp"
+#include "routing/client_address.hpp"
 
 namespace mbgate::io {
 namespace {

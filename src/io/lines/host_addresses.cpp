@@ -10,7 +10,7 @@
 #include <memory>
 #include <system_error>
 
-#include "base/host_and_port.hpp"
+#include "base/text.hpp"
 
 namespace mbgate::io {
 namespace {

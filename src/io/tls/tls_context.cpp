@@ -13,7 +13,7 @@
 #include "io/tls/fingerprint.hpp"
 #include "io/tls/pem_files.hpp"
 #include "io/tls/signer_client.hpp"
-#include "routing/role_extension.hpp"
+#include "routing/client_role.hpp"
 
 namespace mbgate::io {
 namespace {

@@ -5,9 +5,7 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdlib>
 #include <fmt/core.h>
-#include <optional>
 #include <system_error>
 
 #include "sys/tty.hpp"

@@ -11,7 +11,7 @@
 #include <system_error>
 #include <utility>
 
-#include "base/host_and_port.hpp"
+#include "base/text.hpp"
 
 namespace mbgate::sim {
 namespace {

@@ -3,8 +3,6 @@
 
 #include <utility>
 
-#include "modbus/rtu.hpp"
-
 namespace mbgate::sim {
 namespace {
 

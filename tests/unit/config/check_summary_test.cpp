@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "config/check_summary.hpp"
-
 #include <gmock/gmock.h>
+
+#include "config/load.hpp"
 
 namespace mbgate::config {
 namespace {

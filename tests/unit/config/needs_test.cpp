@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "config/check_summary.hpp"
+#include "config/load.hpp"
 
 namespace mbgate::config {
 namespace {

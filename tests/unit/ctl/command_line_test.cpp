@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/command_line.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "ctl/options/subcommands.hpp"
 #include "parsed_line.hpp"
 
 namespace mbgate::ctl {

@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "ctl/command_line.hpp"
+#include "ctl/options/subcommands.hpp"
 
 namespace mbgate::ctl {
 

@@ -72,7 +72,9 @@ TEST(Stop, MayHaveItsOwnParametersBehindIt) {
 }
 
 TEST(Stop, IsNoOtherFunction) {
-  EXPECT_FALSE(stops(modbus::make_mask_write(0xCA, 0xFFFE, 0)));
+  const auto mask_write =
+      modbus::Pdu::from(std::array<std::uint8_t, 7>{0x16, 0x00, 0xCA, 0xFF, 0xFE, 0x00, 0x00});
+  EXPECT_FALSE(stops(*Request::parse(*mask_write)));
   EXPECT_FALSE(stops(modbus::make_read_write({Table::holding_registers, 0, 1},
                                              {Table::holding_registers, 0xCA, 1},
                                              std::array<std::uint8_t, 2>{})));

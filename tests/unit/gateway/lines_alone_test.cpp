@@ -4,6 +4,7 @@
 
 #include "gateway/lines.hpp"
 #include "modbus/rtu.hpp"
+#include "support/action_text.hpp"
 #include "unit/gateway/parts_plant.hpp"
 
 namespace mbgate::test {
@@ -21,10 +22,10 @@ class LinesAlone : public testing::Test {
     }
     std::vector<std::string> all;
     while (const auto action = lines_.poll_action()) {
-      all.push_back(gateway::to_text(*action, settings_.settings()));
+      all.push_back(action_text(*action, settings_.settings()));
     }
     while (const auto action = actions_.poll()) {
-      all.push_back(gateway::to_text(*action, settings_.settings()));
+      all.push_back(action_text(*action, settings_.settings()));
     }
     return all;
   }

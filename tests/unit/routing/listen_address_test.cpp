@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "routing/listen_address.hpp"
-
 #include <gtest/gtest.h>
+
+#include "routing/client_address.hpp"
 
 namespace mbgate::routing {
 namespace {

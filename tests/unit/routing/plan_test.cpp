@@ -6,7 +6,7 @@
 #include <array>
 #include <initializer_list>
 
-#include "routing/address_window.hpp"
+#include "routing/route.hpp"
 #include "routing/route_table.hpp"
 #include "support/hex.hpp"
 

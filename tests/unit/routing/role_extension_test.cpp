@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "routing/role_extension.hpp"
-
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
+
+#include "routing/client_role.hpp"
 
 namespace mbgate::routing {
 namespace {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/drives/maps/moons_map.hpp"
 
-#include <array>
-
 namespace mbgate::sim {
 namespace {
 

@@ -62,7 +62,6 @@ struct MoonsPlaces {
 const MoonsPlaces& moons_places(MoonsSeries series);
 
 /// PR: word order and wiring in one setting (4.1.2).
-inline constexpr std::uint16_t kMoonsProtocolBig = 5;
 inline constexpr std::uint16_t kMoonsProtocolLittle = 133;
 /// The bit that is set in the two little-endian settings (133 and 389) and not in the two
 /// big-endian ones (5 and 261).

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/configuration/route_changes.hpp"
-
 #include <gmock/gmock.h>
+
+#include "app/changes.hpp"
 
 namespace mbgate::app {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "routing/listen_address.hpp"
+#include "routing/client_address.hpp"
 #include "unit/io/run_until.hpp"
 
 namespace mbgate::app {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/control/status_json.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <boost/json.hpp>
+
+#include "app/control/control_answers.hpp"
 
 namespace mbgate::app {
 namespace {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/trace/trace_filter.hpp"
-
 #include <gtest/gtest.h>
 
+#include "app/trace/trace_json.hpp"
 #include "support/hex.hpp"
 
 namespace mbgate::test {

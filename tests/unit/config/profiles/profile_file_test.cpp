@@ -45,7 +45,7 @@ std::string case_name(const testing::TestParamInfo<fs::path>& info) {
 class InvalidProfile : public testing::TestWithParam<fs::path> {};
 
 TEST_P(InvalidProfile, GivesExactlyTheExpectedText) {
-  const auto loaded = load_profile_text(GetParam().filename().string(), text_of(GetParam()));
+  const auto loaded = load_profile(TextFile{GetParam().filename().string(), text_of(GetParam())});
   auto expected = GetParam();
   EXPECT_EQ(render(loaded.diagnostics), text_of(expected.replace_extension(".expected")));
   EXPECT_FALSE(loaded.diagnostics.empty());
@@ -146,7 +146,7 @@ TEST(ProfileFile, KeepsWhatPeopleLookUp) {
 }
 
 TEST(ProfileFile, GuardsWritesByTheirValues) {
-  const auto loaded = load_profile_text("guarded.toml", R"(
+  const auto loaded = load_profile(TextFile{"guarded.toml", R"(
 name = "guarded"
 description = "A drive"
 manual = "None"
@@ -162,7 +162,7 @@ communication = [
 ]
 [numbering]
 holding = 40001
-)");
+)"});
   EXPECT_EQ(render(loaded.diagnostics), "");
   const auto& profile = loaded.file->profile;
   constexpr auto kHolding = Table::holding_registers;

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "config/check_summary.hpp"
 #include "config/load.hpp"
 
 namespace mbgate::config {

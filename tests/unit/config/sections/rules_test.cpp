@@ -2,7 +2,6 @@
 // What becomes of [[group]] and [[rule]]; what is wrong with them is in tests/config.
 #include <gtest/gtest.h>
 
-#include "config/check_summary.hpp"
 #include "config/load.hpp"
 
 namespace mbgate::config {

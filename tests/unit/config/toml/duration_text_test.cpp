@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "config/toml/duration_text.hpp"
-
 #include <gtest/gtest.h>
+
+#include "config/toml/toml_value.hpp"
 
 namespace mbgate::config {
 namespace {

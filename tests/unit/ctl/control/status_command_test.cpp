@@ -25,7 +25,7 @@ StatusCommand watch_of_nobody(std::size_t times) {
 TEST(Watch, GoesOnWhereNobodyAnswers) {
   std::ostringstream out;
   std::ostringstream errors;
-  EXPECT_EQ(show_status(watch_of_nobody(2), out, errors), 1);
+  EXPECT_EQ(run(watch_of_nobody(2), out, errors), 1);
   EXPECT_EQ(out.str(), "");
   EXPECT_THAT(errors.str(),
               testing::MatchesRegex("[0-9:.]+\nmbgatectl: there is no control socket at [^\n]*\n"
@@ -38,7 +38,7 @@ TEST(Watch, PrintsOneJsonObjectALine) {
   command.on_terminal = true;  // a screen is for people
   std::ostringstream out;
   std::ostringstream errors;
-  EXPECT_EQ(show_status(command, out, errors), 1);
+  EXPECT_EQ(run(command, out, errors), 1);
   EXPECT_EQ(errors.str(), "");
   EXPECT_THAT(out.str(), testing::MatchesRegex("[{]\"error\":\"there is no control [^\n]*\"[}]\n"
                                                "[{]\"error\":\"there is no control [^\n]*\"[}]\n"));
@@ -49,7 +49,7 @@ TEST(Watch, EndsWellWhenItIsInterrupted) {
   raise(SIGTERM);
   std::ostringstream out;
   std::ostringstream errors;
-  EXPECT_EQ(show_status(watch_of_nobody(1000), out, errors), 0);
+  EXPECT_EQ(run(watch_of_nobody(1000), out, errors), 0);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "ctl/doctor/line_findings.hpp"
+#include "ctl/doctor/findings.hpp"
 #include "ctl/doctor/trial.hpp"
 #include "line_bytes.hpp"
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/doctor/bus_frames.hpp"
-
 #include <gtest/gtest.h>
 
+#include "ctl/serial/heard.hpp"
 #include "line_bytes.hpp"
 
 namespace mbgate::ctl {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/doctor/finding.hpp"
-
 #include <gtest/gtest.h>
+
+#include "ctl/doctor/findings.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/doctor/idle_line.hpp"
-
 #include <gtest/gtest.h>
 
+#include "ctl/doctor/findings.hpp"
 #include "line_bytes.hpp"
 
 namespace mbgate::ctl {

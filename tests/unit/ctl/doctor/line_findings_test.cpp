@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/doctor/line_findings.hpp"
 
 #include <gtest/gtest.h>
 
-#include "ctl/doctor/idle_line.hpp"
+#include "ctl/doctor/findings.hpp"
 #include "line_bytes.hpp"
 
 namespace mbgate::ctl {

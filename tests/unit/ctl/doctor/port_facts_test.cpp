@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "ctl/doctor/port_facts_shell.hpp"
+#include "ctl/doctor/findings.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/doctor/port_findings.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cerrno>
 
+#include "ctl/doctor/findings.hpp"
 #include "printed_finding.hpp"
 
 namespace mbgate::ctl {

@@ -4,7 +4,7 @@
 
 #include <ostream>
 
-#include "ctl/doctor/finding.hpp"
+#include "ctl/doctor/findings.hpp"
 
 namespace mbgate::ctl {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/request/report.hpp"
-
 #include <gtest/gtest.h>
 
 #include <bit>
 #include <boost/json.hpp>
 #include <limits>
+
+#include "ctl/request/carry_out.hpp"
 
 namespace mbgate::ctl {
 namespace {

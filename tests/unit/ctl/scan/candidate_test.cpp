@@ -7,7 +7,6 @@
 namespace mbgate::ctl {
 namespace {
 
-using config::load_profile_text;
 using modbus::Table;
 using modbus::TableRange;
 using testing::Contains;
@@ -17,7 +16,7 @@ constexpr auto kHolding = Table::holding_registers;
 constexpr auto kInput = Table::input_registers;
 
 config::ProfileFile made_up() {
-  const auto loaded = load_profile_text("drive.toml", R"(
+  const auto loaded = config::load_profile(config::TextFile{"drive.toml", R"(
 name = "drive"
 description = "A drive"
 manual = "Manual"
@@ -43,7 +42,7 @@ register = 16
 big = [5]
 little = [133]
 line = 1
-)");
+)"});
   EXPECT_EQ(config::render(loaded.diagnostics), "");
   return *loaded.file;
 }

@@ -78,7 +78,7 @@ Outcome carry_out(ScanCommand command, const std::filesystem::path& profiles) {
   command.folder = profiles;
   std::ostringstream out;
   std::ostringstream errors;
-  const int status = scan(command, out, errors);
+  const int status = run(command, out, errors);
   auto text = errors.str();
   const auto number = std::to_string(port.number);
   if (const auto at = text.find(number); at != std::string::npos) {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/trace/trace_lines.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <ctime>
 
+#include "ctl/trace/trace_event.hpp"
 #include "trace_records.hpp"
 
 namespace mbgate::ctl {

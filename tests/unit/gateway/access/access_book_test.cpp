@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/access/access_book.hpp"
-
 #include <gtest/gtest.h>
 
+#include "gateway/access/rule_verdict.hpp"
 #include "gateway/limits.hpp"
 
 namespace mbgate::gateway {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The answers of a connection alone: which of them go out now, and how many are still due.
-#include "gateway/clients/due_answers.hpp"
-
 #include <gmock/gmock.h>
+
+#include "gateway/clients/client_session.hpp"
 
 namespace mbgate::gateway {
 namespace {

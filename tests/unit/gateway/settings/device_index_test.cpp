@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/settings/device_index.hpp"
-
 #include <gtest/gtest.h>
+
+#include "gateway/settings/settings_snapshot.hpp"
 
 namespace mbgate::gateway {
 namespace {

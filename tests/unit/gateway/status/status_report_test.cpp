@@ -61,7 +61,7 @@ TEST_F(StatusOfAPlant, ShowsWhatThereIs) {
   EXPECT_EQ(shown.buses[0].line, "/dev/ttyS0");
   EXPECT_TRUE(shown.buses[0].is_open);
   EXPECT_EQ(shown.buses[0].counters.responses, 1U);
-  EXPECT_EQ(gateway::format_text(shown.buses[0].format), "8E1");
+  EXPECT_EQ(modbus::format_text(shown.buses[0].format), "8E1");
   ASSERT_EQ(shown.devices.size(), 2U);
   EXPECT_EQ(shown.devices[0].name, "axis");
   EXPECT_EQ(shown.devices[0].state, DeviceStatus::State::answering);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/trace/trace_text.hpp"
-
 #include <gtest/gtest.h>
 
+#include "gateway/trace/trace_record.hpp"
 #include "modbus/ascii.hpp"
 #include "modbus/rtu.hpp"
 #include "support/hex.hpp"

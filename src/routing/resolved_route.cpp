@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "routing/access.hpp"
+#include "routing/resolved_route.hpp"
 
 namespace mbgate::routing {
 namespace {

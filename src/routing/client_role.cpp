@@ -1,13 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "routing/role_extension.hpp"
+#include "routing/client_role.hpp"
 
+#include <algorithm>
 #include <optional>
-#include <string>
 #include <string_view>
 
 #include "base/utf8.hpp"
 
 namespace mbgate::routing {
+
+bool ClientList::contains(const ClientAddress& address, const ClientRole& role) const {
+  const bool has_role =
+      role.kind == ClientRole::Kind::named && std::ranges::find(roles, role.name) != roles.end();
+  const bool has_certificate =
+      !role.certificate.empty() &&
+      std::ranges::find(certificates, role.certificate) != certificates.end();
+  return has_role || has_certificate || routing::contains(networks, address);
+}
+
 namespace {
 
 using modbus::Bytes;
