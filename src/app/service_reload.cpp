@@ -34,7 +34,8 @@ void Service::begin_reload() {
   reload_waiting_ = std::exchange(reload_asked_, {});
   reloading_ = blocking_.run(read_, [this](const Configuration& read) { finish_reload(read); });
   if (!reloading_) {
-    say_of_reload(Level::error, "the configuration stays as it is: no thread to read it on",
+    say_of_reload(Level::error,
+                  "the configuration stays as it is: no thread is available to read it",
                   message_id::kConfigurationKept);
     end_reload(false);
   }

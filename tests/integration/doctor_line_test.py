@@ -72,8 +72,8 @@ class DoctorAtAScriptedLine(Doctor):
                 NO_ECHO,
                 f"ok       answers of unit 5: {ANSWERS}",
                 "fault    addresses: 5 of 5 requests to unit 5 had two whole answers, and no request but ours was "
-                "heard; two devices at address 5, or another client whose requests are not heard here, or a line that "
-                "hears what it sends: switch the device off, and see whether something still answers",
+                "heard; two devices at address 5, or another client whose requests are not heard here, or an adapter that "
+                "receives what it sends: switch the device off, and see whether something still answers",
             ],
         )
 

@@ -153,7 +153,7 @@ class DoctorAtTheSimulator(Doctor):
             [
                 *beginning("./hearing", "19200 8N1"),
                 QUIET,
-                "fault    echo: the port hears what it sends: each request came back before its answer, and the bus "
+                "fault    echo: the port receives what it sends: each request came back before its answer, and the bus "
                 'has echo = false; set echo = true or "auto"',
                 f"ok       answers of unit 3 (hearing-lift): {ANSWERS}",
                 "ok       addresses: no request had a second answer",

@@ -283,8 +283,8 @@ class SocketUnits(SystemdCase):
     """What others could reach, without being reached: 192.0.2.1 is no machine's address (RFC 5737)."""
 
     REFUSED = (
-        r'listener "plant": other machines reach the socket 192\.0\.2\.1:\d+ from systemd: expected \'allow\' with those who '
-        r'may connect, such as allow = \["192\.168\.10\.0/24"\], or a \[\[rule\]\]'
+        r'listener "plant": other machines can reach the socket 192\.0\.2\.1:\d+ from systemd: expected \'allow\' with the '
+        r'permitted clients, such as allow = \["192\.168\.10\.0/24"\], or a \[\[rule\]\]'
     )
 
     def open_socket(self, address):

@@ -35,7 +35,7 @@ export function wireOf(json) {
 
 /** A line with an echo hears first what was sent. */
 function withoutEcho(heard, sent, text) {
-  if (!text.startsWith("the same as was sent")) {
+  if (!text.startsWith("the same bytes as sent")) {
     return heard;
   }
   let left = sent.length;

@@ -33,7 +33,7 @@ Tally tally_of_line(const std::vector<UnitTrials>& units) {
 
 Finding full_echo_finding(const LinePlan& plan) {
   Finding finding{Judgement::ok, "echo",
-                  "the port hears what it sends: each request came back before its answer"};
+                  "the port receives what it sends: each request came back before its answer"};
   if (plan.echo == false) {
     finding.verdict = Judgement::fault;
     finding.seen += ", and the bus has echo = false";
@@ -60,8 +60,9 @@ Finding doubled_finding(const UnitTrials& unit, const Tally& tally, const Tally&
     finding.verdict = Judgement::fault;
     finding.seen += ", and no request but ours was heard";
     finding.advice = fmt::format(
-        "two devices at address {}, or another client whose requests are not heard here, or a line "
-        "that hears what it sends: switch the device off, and see whether something still answers",
+        "two devices at address {}, or another client whose requests are not heard here, or an "
+        "adapter that receives what it sends: switch the device off, and see whether something "
+        "still answers",
         unit.unit.address);
   }
   return finding;

@@ -29,7 +29,7 @@ TEST(EchoFinding, IsAFaultOnlyWhereTheConfigurationSaysOtherwise) {
   EXPECT_EQ(echo_of(std::nullopt, trials(2, without_echo())),
             (Finding{Judgement::ok, "echo", "no request came back to the port"}));
   const std::string heard =
-      "the port hears what it sends: each request came back before its answer";
+      "the port receives what it sends: each request came back before its answer";
   EXPECT_EQ(echo_of(std::nullopt, trials(2, with_echo())),
             (Finding{Judgement::ok, "echo", heard,
                      R"(with echo = "auto" the gateway learns it, with echo = true it knows)"}));
@@ -73,14 +73,15 @@ TEST(AddressesFinding, NeedsTwoAnswersTwice) {
       addresses_finding({trials_of(3, followed(trials(19, without_echo()), doubled()))}),
       (Finding{Judgement::unknown, "addresses", "1 of 20 requests to unit 3 had two whole answers",
                "run this again: one may be a late answer of before"}));
-  EXPECT_EQ(addresses_finding(
-                {trials_of(4, trials(20, without_echo())), trials_of(3, trials(20, doubled()))}),
-            (Finding{Judgement::fault, "addresses",
-                     "20 of 20 requests to unit 3 had two whole answers, and no request but ours "
-                     "was heard",
-                     "two devices at address 3, or another client whose requests are not heard "
-                     "here, or a line that hears what it sends: switch the device off, and see "
-                     "whether something still answers"}));
+  EXPECT_EQ(
+      addresses_finding(
+          {trials_of(4, trials(20, without_echo())), trials_of(3, trials(20, doubled()))}),
+      (Finding{Judgement::fault, "addresses",
+               "20 of 20 requests to unit 3 had two whole answers, and no request but ours "
+               "was heard",
+               "two devices at address 3, or another client whose requests are not heard "
+               "here, or an adapter that receives what it sends: switch the device off, and see "
+               "whether something still answers"}));
 }
 
 TEST(AddressesFinding, ClaimsNothingWhereAnotherClientAsks) {
