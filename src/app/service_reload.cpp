@@ -133,9 +133,10 @@ bool Service::is_sound(const Configuration& read) {
   }
   // An editor may have left an empty file behind.
   if (read.loaded.settings->buses.empty() && gateway::count_there(driver_.settings().buses) > 0) {
-    say_of_reload(Level::error,
-                  "no [[bus]] is left: only a restart of mbgated takes all buses away",
-                  message_id::kConfigurationWrong);
+    say_of_reload(
+        Level::error,
+        "no [[bus]] is configured: expected at least one; only a restart removes all buses",
+        message_id::kConfigurationWrong);
     return false;
   }
   const bool may = may_listen(*read.loaded.settings);

@@ -386,8 +386,12 @@ class NotConfigured(SystemdCase):
         self.assertRegex(self.reload(gateway)["STATUS"], "^1 listener, 0 of 1 bus open, ")
         NotConfigured.configure(self)
         self.assertRegex(self.reload(gateway)["STATUS"], "^the last reload was refused, see the journal; ")
-        gateway.wait_for(r"no \[\[bus\]\] is left: only a restart of mbgated takes all buses away")
+        gateway.wait_for(r"error: no \[\[bus\]\] is configured: expected at least one; only a restart removes all buses$")
         self.end(gateway)
+        checked = subprocess.run([program("mbgated"), "--check", "--config", self.configuration],
+                                 check=False, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self.assertEqual(0, checked.returncode, checked.stdout)  # a start with it is possible
+        self.assertIn("; a reload that removes all buses is refused\n", checked.stdout)
 
 
 if __name__ == "__main__":

@@ -16,7 +16,9 @@ using routing::Route;
 /// Warnings, because a gateway that is not configured yet can be asked for its status and reloaded.
 void check_present(Draft& draft) {
   if (stands_nowhere(draft.document.root(), "bus")) {
-    draft.document.warning({}, "no [[bus]] is configured: there is no line to any device");
+    draft.document.warning({},
+                           "no [[bus]] is configured: no device can be reached; a reload that "
+                           "removes all buses is refused");
   }
   if (stands_nowhere(draft.document.root(), "listen")) {
     draft.document.warning({}, "no [[listen]] is configured: no client can connect");
