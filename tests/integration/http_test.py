@@ -53,7 +53,7 @@ class Http(HttpCase):
         self.assertIn("mbgated has ended", following.stderr.read())
         shown = self.mbgatectl("status", "--control", self.server())
         self.assertEqual((shown.returncode, shown.stdout), (1, ""))
-        self.assertIn(f"nobody listens at {self.server()}", shown.stderr)
+        self.assertIn(f"no program listens at {self.server()}", shown.stderr)
 
     def test_nothing_is_changed_over_tcp(self):
         self.listen()

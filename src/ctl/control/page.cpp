@@ -72,7 +72,7 @@ std::vector<std::string> page(std::string_view text, std::size_t rows, std::size
   if (lines.size() > rows) {
     const std::size_t hidden = lines.size() - rows + 1;
     const std::string note =
-        fmt::format("... {} lines more: the window is too small for them", hidden);
+        fmt::format("... {} more lines: the window is too small for them", hidden);
     lines.resize(rows);
     lines.back() = note.substr(0, columns);
   }

@@ -184,8 +184,8 @@ std::string status_text(const object& status) {
   const boost::json::array& devices = status.at("devices").as_array();
   if (!devices.empty()) {
     all += fmt::format(
-        "\n{}QUEUE, WIRE, DRIVE: half of the requests took so many ms or less there; P90, P99: "
-        "nine tenths and 99 of 100 of DRIVE\n",
+        "\n{}QUEUE, WIRE, DRIVE: median times in ms of answered requests; P90, P99: percentiles of "
+        "DRIVE\n",
         devices_text(devices));
   }
   const boost::json::array& clients = status.at("clients").as_array();

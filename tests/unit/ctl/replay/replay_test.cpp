@@ -168,8 +168,7 @@ TEST(Replay, OtherSettingsWithoutTheirConfigurationAreSaid) {
   std::string text = with_other_settings().text();
   const auto begin = text.rfind("config test.toml\n");
   text.erase(begin, text.find("4000000000 settings\n") - begin);
-  expect_bad(text, "4000000000 settings",
-             "expected the configuration of other settings before them");
+  expect_bad(text, "4000000000 settings", "expected a configuration before the new settings");
 }
 
 TEST(Replay, OnesThatAreNotValidAreSaid) {
