@@ -205,7 +205,7 @@ TEST(Replay, SaysThatItCannotStartThen) {
 TEST(Replay, SaysWhatIsNoRecording) {
   const auto outcome = replayed("[[listen]]\n");
   ASSERT_TRUE(outcome.bad);
-  EXPECT_EQ(outcome.bad->reason, "expected \"mbgate recording 1\": this is no recording");
+  EXPECT_EQ(outcome.bad->reason, "expected \"mbgate recording 1\": this is not a recording");
   EXPECT_EQ(outcome.bad->line, 1U);
 }
 
