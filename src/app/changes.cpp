@@ -196,7 +196,7 @@ void add_rules(std::vector<std::string>& changes, const std::vector<routing::Acc
   const std::string gone = titles_without(old, next);
   const std::string come = titles_without(next, old);
   changes.push_back(gone.empty() && come.empty()
-                        ? "access rules: in another order, or twice"
+                        ? "access rules: their order or number has changed"
                         : fmt::format("access rules: {} -> {}", gone.empty() ? "none" : gone,
                                       come.empty() ? "none" : come));
 }

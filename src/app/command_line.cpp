@@ -175,7 +175,7 @@ Result<ListenAddress, std::string> parse_listen(std::string_view text,
   }
   if (allow.empty() && !routing::is_loopback(listen->address)) {
     return fmt::format(
-        "other machines reach {}: add --allow with those who may connect, such as --allow "
+        "other machines can reach {}: add --allow with the permitted clients, such as --allow "
         "192.168.10.0/24",
         listen->address.to_text());
   }

@@ -31,7 +31,8 @@ bool Listeners::begin(const std::vector<ListenerSettings>& listeners,
     if (socket.fd.is_open()) {
       log_.write(
           Level::warning,
-          fmt::format("the socket \"{}\" from systemd has the name of no listener", socket.name),
+          fmt::format("the socket \"{}\" from systemd is not used: no [[listen]] has this name",
+                      socket.name),
           {.id = message_id::kSocketUnknown});
     }
   }

@@ -76,7 +76,7 @@ void Log::give(Level level, const std::string& text, std::string line, const Top
   std::vector<Entry> entries{entry_of(level, text, std::move(line), topic)};
   std::string missing;
   if (lost_ > 0) {
-    missing = fmt::format("{} lines are missing here: {} did not take them",
+    missing = fmt::format("{} lines are missing here: {} did not accept them fast enough",
                           std::exchange(lost_, 0), for_journal_ ? "the journal" : "standard error");
     entries.push_back(entry_of(Level::warning, missing,
                                log_line(Level::warning, missing, for_journal_),

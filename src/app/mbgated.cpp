@@ -49,8 +49,8 @@ void lock_memory(Log& log) {
   rlimit limit{};
   if (::getrlimit(RLIMIT_MEMLOCK, &limit) != 0 || limit.rlim_cur != RLIM_INFINITY) {
     log.write(Level::warning,
-              "lock_memory: not done; the limit of locked memory must be unlimited: the drop-in "
-              "realtime.conf of the service, or \"ulimit -l unlimited\"",
+              "lock_memory: the memory is not locked: expected an unlimited limit of locked memory "
+              "(drop-in realtime.conf of the service, or \"ulimit -l unlimited\")",
               {.id = message_id::kMemoryNotLocked});
   } else if (::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) {
     log.write(Level::warning,

@@ -174,7 +174,7 @@ void Service::on_stall(std::chrono::milliseconds lasted) {
   log_.write_limited(
       Level::warning, "stall",
       fmt::format("the gateway did not run for {} ms: it was stopped, or got no processor time. "
-                  "What clients sent meanwhile counts as sent at its beginning",
+                  "Requests that came meanwhile count as sent at the beginning of that time",
                   lasted.count()),
       {.id = message_id::kStalled});
 }
@@ -222,7 +222,7 @@ ProcessStatus Service::process_status() const {
 void Service::clear_counters(const Asker& asker) {
   driver_.clear_counters();
   log_.write_limited(Level::notice, "counters cleared " + asker.client,
-                     "counters cleared by the control socket: " + asker.text,
+                     "counters cleared over the control socket: " + asker.text,
                      {.id = message_id::kCountersCleared});
 }
 
@@ -234,7 +234,7 @@ void Service::control_failed(const std::string& why) {
 
 void Service::http_refused(const std::string& address) {
   log_.write_limited(Level::warning, "http refused",
-                     fmt::format("http: {} may not read, it is not in [http] allow", address),
+                     fmt::format("http: client {} refused: not in [http] allow", address),
                      {.id = message_id::kHttpRefused, .client = address});
 }
 

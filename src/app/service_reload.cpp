@@ -34,7 +34,8 @@ void Service::begin_reload() {
   reload_waiting_ = std::exchange(reload_asked_, {});
   reloading_ = blocking_.run(read_, [this](const Configuration& read) { finish_reload(read); });
   if (!reloading_) {
-    say_of_reload(Level::error, "the configuration stays as it is: no thread to read it on",
+    say_of_reload(Level::error,
+                  "the configuration stays as it is: no thread is available to read it",
                   message_id::kConfigurationKept);
     end_reload(false);
   }
@@ -132,9 +133,10 @@ bool Service::is_sound(const Configuration& read) {
   }
   // An editor may have left an empty file behind.
   if (read.loaded.settings->buses.empty() && gateway::count_there(driver_.settings().buses) > 0) {
-    say_of_reload(Level::error,
-                  "no [[bus]] is left: only a restart of mbgated takes all buses away",
-                  message_id::kConfigurationWrong);
+    say_of_reload(
+        Level::error,
+        "no [[bus]] is configured: expected at least one; only a restart removes all buses",
+        message_id::kConfigurationWrong);
     return false;
   }
   const bool may = may_listen(*read.loaded.settings);

@@ -23,9 +23,9 @@ std::string rules_text(const gateway::Settings& settings) {
                                             [](const auto& listener) { return has_tls(listener); });
   const bool decides_all = hides(last, routing::AccessRule{.any_role = any_role});
   const std::string end = decides_all
-                              ? fmt::format("the last one, {}, {} what is left", last.title(),
+                              ? fmt::format("the last one, {}, {} all other requests", last.title(),
                                             last.permits ? "permits" : "denies")
-                              : std::string("what none of them matches is denied");
+                              : std::string("requests that match none of them are denied");
   return fmt::format("{}: {}", counted(rules.size(), "rule", "rules"), end);
 }
 
@@ -40,7 +40,7 @@ std::string units_text(const gateway::Settings& settings) {
                           device.has_every_unit
                               ? "every unit is device " + device.name
                               : fmt::format("device {} is unit {} alone; if all units are this "
-                                            "device, say one_device = true",
+                                            "device, set one_device = true",
                                             device.name, device.address));
     }
   }

@@ -22,15 +22,15 @@ std::string what_of(modbus::Table table) {
 std::string left_out_text(std::uint64_t left_out, const char* what) {
   return left_out == 0
              ? std::string()
-             : fmt::format("; {} more {} since this was last said of the client", left_out, what);
+             : fmt::format("; {} more {} since the last report for this client", left_out, what);
 }
 
 std::string_view reason_text(RefusalReason reason) {
   switch (reason) {
     case RefusalReason::not_allowed: return "not in the allow list";
     case RefusalReason::full:
-      return "max_connections is reached, and each other client has one connection, which it uses, "
-             "or is in the keep list";
+      return "max_connections is reached, and every other client uses its only connection or is in "
+             "the keep list";
     case RefusalReason::stopping: return "the gateway is stopping";
     case RefusalReason::no_rule: return "no access rule permits its address anything";
     case RefusalReason::address_full:
@@ -54,14 +54,15 @@ std::string notice_text(const bus::DeviceNotice& notice) {
     case Kind::back: return notice.answered_before ? "answers again" : "answers";
     case Kind::late:
       return fmt::format(
-          "an answer came {} after its response timeout; after an unanswered request it is now "
-          "left alone for {}",
+          "an answer came {} after its response timeout; the device is now held back for {} "
+          "after an unanswered request",
           milliseconds_text(notice.lateness), milliseconds_text(notice.quarantine));
     case Kind::early: return "answers before its response_wait, which is set too long";
     case Kind::foreign:
       return fmt::format("{}; another client is on this line",
-                         notice.is_request ? "a request to it was heard that nobody here sent"
-                                           : "a frame of it was heard that nobody here asked for");
+                         notice.is_request
+                             ? "a request to it was heard that the gateway did not send"
+                             : "a frame of it was heard that the gateway had not asked for");
     case Kind::misfit:
       return "its answer does not fit the request (if it limits values: write_echo = \"address\")";
     case Kind::pauses:
@@ -84,7 +85,8 @@ std::string failsafe_text(const FailsafeNews& news) {
     case FailsafeReason::exit: reason = "the gateway stops"; break;
   }
   switch (news.outcome) {
-    case FailsafeOutcome::acknowledged: return reason + "; it has acknowledged its failsafe writes";
+    case FailsafeOutcome::acknowledged:
+      return reason + "; the device has acknowledged its failsafe writes";
     case FailsafeOutcome::waits:
       return reason + "; its failsafe writes are not acknowledged yet, and are sent again";
     case FailsafeOutcome::client_back:
@@ -93,8 +95,8 @@ std::string failsafe_text(const FailsafeNews& news) {
     case FailsafeOutcome::given_up:
       return "not all of its failsafe writes were acknowledged before the gateway stopped";
     case FailsafeOutcome::device_gone:
-      return "a reload has taken the device away; its failsafe writes are not sent any more, "
-             "whatever clients have written to it";
+      return "a reload has removed the device; its failsafe writes are not sent any more, although "
+             "clients have written to it";
   }
   return {};
 }
@@ -127,18 +129,20 @@ std::string fault_text(bus::LineFault fault) {
   switch (fault) {
     case bus::LineFault::echo_differed:
       return "the echo differs from what was sent (collision, or echo = true is wrong)";
-    case bus::LineFault::framing_lost: return "what comes in cannot be followed any further";
+    case bus::LineFault::framing_lost:
+      return "framing is lost: the start of the next message cannot be found";
     case bus::LineFault::echo_found:
-      return "the line hears what it sends; the echo is compared from now on (echo = true says so "
+      return "the adapter receives what it sends; the echo is checked from now on (echo = true: "
              "from the start)";
     case bus::LineFault::echo_unproven:
-      return "a write was answered by its own repetition, and no read has shown yet whether that "
-             "is an echo: until one has, it proves nothing (say echo = true or echo = false)";
+      return "a write came back unchanged, and no read has shown yet whether that is its answer or "
+             "an echo: until then it acknowledges nothing (set echo = true or echo = false)";
     case bus::LineFault::echo_gone:
-      return "no echo came with the last answers: the line does not hear what it sends (any more)";
+      return "the last answers came without an echo: the adapter does not receive what it sends "
+             "(any more)";
     case bus::LineFault::echo_denied:
-      return "the line hears what it sends: say echo = true, for with echo = false the echo of a "
-             "write is taken for its answer";
+      return "the adapter receives what it sends: set echo = true, because with echo = false the "
+             "echo of a write is taken for its answer";
     case bus::LineFault::unanswered: return "nothing comes from the far end";
     case bus::LineFault::answer_cut_off:
       return "an answer was not complete at the end of its response timeout: its length is wrong, "
@@ -148,8 +152,8 @@ std::string fault_text(bus::LineFault fault) {
              "left; they are dropped, so that they do not leave later, and the port is opened "
              "again";
     case bus::LineFault::answered_while_sending:
-      return "an answer began before its request was sent whole, and was not taken; if the adapter "
-             "does not keep the pace of the wire, say paced = false";
+      return "an answer began before its request was completely sent, and was not accepted; if the "
+             "adapter is not bound to the speed of the wire, set paced = false";
   }
   return "";
 }
@@ -187,15 +191,14 @@ struct EventText {
   }
   std::string operator()(const AdapterSilent& e) const {
     return fmt::format(
-        "{}: nothing at all was heard for {} s, in which {} requests left; in case that the "
-        "adapter hangs it is closed and opened again, now and ever less often until something is "
-        "heard",
+        "{}: not a byte was heard for {} s, in which {} requests were sent; the adapter may hang, "
+        "so it is closed and opened again, now and at growing intervals until something is heard",
         names.bus(e.bus), std::chrono::duration_cast<std::chrono::seconds>(e.silence).count(),
         e.requests);
   }
   std::string operator()(const ConnectionReplaced& e) const {
     return fmt::format(
-        "{}: requests go out, but nothing has come for {}; the connection is replaced",
+        "{}: requests are sent, but nothing has come back for {}; the connection is replaced",
         names.bus(e.bus), seconds(bus::kSilenceToReplace));
   }
   std::string operator()(const ClientRefused& e) const {

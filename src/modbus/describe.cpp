@@ -110,7 +110,7 @@ std::string describe_response(Bytes pdu) {
 std::string describe_rtu(Bytes frame, Direction direction) {
   const auto adu = decode_rtu(frame);
   if (!adu) {
-    return "no RTU frame (size or CRC): " + hex(frame);
+    return "not an RTU frame (size or CRC): " + hex(frame);
   }
   return fmt::format("unit {}: {}", adu->address, body(adu->pdu.bytes(), direction));
 }

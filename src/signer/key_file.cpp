@@ -47,10 +47,10 @@ std::string objection(const KeyStore& store, const std::string& name) {
 /// Why the file must not be used as it is; empty: it may.
 std::string objection(const struct stat& file) {
   if (!S_ISREG(file.st_mode)) {
-    return "it is no ordinary file";
+    return "it is not a regular file";
   }
   if ((file.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
-    return "others than its owner may write it: chmod go-w";
+    return "users other than its owner may write to it: chmod go-w";
   }
   if ((file.st_mode & S_IROTH) != 0) {
     return "everybody may read it: chmod o-r";

@@ -92,7 +92,7 @@ class Files(Plant):
         for arguments, name in ((("ca",), "ca"), (("server", "gateway", "--address", "192.0.2.7"), "gateway"),
                                 (("client", "hmi"), "hmi")):
             told = self.cert(*arguments, status=1)
-            self.assertEqual(f"mbgate-cert: {name}.key or {name}.crt is there already; --force replaces both\n", told)
+            self.assertEqual(f"mbgate-cert: {name}.key or {name}.crt already exists; --force replaces both\n", told)
         self.assertEqual(before, {path: path.read_bytes() for path in self.folder.iterdir()})
         self.cert("client", "again")
         old = (self.folder / "again.key").read_bytes()

@@ -23,7 +23,7 @@ class ControlAskers(ControlCase):
         self.plant.wait_for(f"^notice: reload: asked for by the control socket: {ME}$")
         self.plant.wait_for("^info: reload: nothing has changed$")
         self.assertEqual(self.ask("POST", CLEAR)[0], 200)
-        self.plant.wait_for(f"^notice: counters cleared by the control socket: {ME}$")
+        self.plant.wait_for(f"^notice: counters cleared over the control socket: {ME}$")
         shown = self.mbgatectl("reload", "--control", self.plant.control)
         self.assertEqual(shown.returncode, 0, shown.stderr)
         pid = int(self.plant.wait_for(rf"asked for by the control socket: uid {os.getuid()}, pid (\d+)$").group(1))

@@ -104,7 +104,7 @@ class ControlSocket(ControlCase):
         self.assertEqual(self.read(MOONS).returncode, 0)
         self.assertEqual(self.device("axis-x")["counters"]["responses"], 1)
         shown = self.mbgatectl("clear-counters", "--control", self.plant.control)
-        self.assertEqual((shown.returncode, shown.stdout, shown.stderr), (0, "all counters begin anew\n", ""))
+        self.assertEqual((shown.returncode, shown.stdout, shown.stderr), (0, "all counters are reset\n", ""))
         self.assertEqual(self.device("axis-x")["counters"]["responses"], 0)
 
     def test_a_refused_reload_fails_with_the_place_and_changes_nothing(self):

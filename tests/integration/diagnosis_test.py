@@ -26,7 +26,7 @@ FULL_LINE = ("bus line-a", "it is asked for more than it can carry")
 PATIENT = 'response_timeout = "2s"'
 # The same where each damaged answer costs that time.
 LESS_PATIENT = 'response_timeout = "1s"'
-FOREIGN_FRAMES = ("bus line-a", "frames are heard that nobody here sent or asked for")
+FOREIGN_FRAMES = ("bus line-a", "frames are heard that the gateway neither sent nor asked for")
 BAD_CRC = r"bad CRC in \d+ % of its answers"
 
 
@@ -240,7 +240,7 @@ class Diagnosis(ControlCase):
         write = bytes.fromhex("10 001E 0002 04 0001 0002")
         gateway.add(Poller(gateway.port, [request(1, write)], pause=0.05))
         found = self.wait_for("device axis", "its word order is not the configured one", "`word_order`")
-        self.assertIn("held 5 when it was last read; 133 or 389 is what was configured", found["evidence"])
+        self.assertIn("held 5 when it was last read; the configured word order has 133 or 389", found["evidence"])
 
     def test_a_drive_that_is_slower_than_its_timeout(self):
         self.gateway(simulated(axis='faults = { answer_after = "500ms" }')).poll(1)
@@ -257,7 +257,7 @@ class Diagnosis(ControlCase):
         other.start()
         self.addCleanup(other.join)
         self.addCleanup(line.ended.set)
-        self.wait_for("bus line-a", "requests are heard that nobody here sent", "another client", {FOREIGN_FRAMES})
+        self.wait_for("bus line-a", "requests of another client are heard", "another client", {FOREIGN_FRAMES})
 
     @staticmethod
     def be_another_client(line):
@@ -269,11 +269,11 @@ class Diagnosis(ControlCase):
 
     def test_a_line_that_hears_itself(self):
         self.gateway(simulated("echo = true", axis="")).poll(1)
-        self.wait_for("bus line-a", "it hears what it sends, and `echo` does not say so", "say `echo = true`")
+        self.wait_for("bus line-a", "the adapter receives what it sends, and `echo` does not say so", "set `echo = true`")
 
     def test_a_line_that_hears_itself_and_must_not(self):
         self.gateway(simulated("echo = true", axis=""), bus="echo = false").poll(1)
-        self.wait_for("bus line-a", "it hears what it sends, and `echo = false` denies it", "say `echo = true`")
+        self.wait_for("bus line-a", "the adapter receives what it sends, but `echo = false` is set", "set `echo = true`")
 
     def test_a_line_that_is_never_silent(self):
         _, line = self.on_line(lambda *_: None, bus='frame_gap = "500ms"')

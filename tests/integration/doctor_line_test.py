@@ -72,8 +72,8 @@ class DoctorAtAScriptedLine(Doctor):
                 NO_ECHO,
                 f"ok       answers of unit 5: {ANSWERS}",
                 "fault    addresses: 5 of 5 requests to unit 5 had two whole answers, and no request but ours was "
-                "heard; two devices at address 5, or another client whose requests are not heard here, or a line that "
-                "hears what it sends: switch the device off, and see whether something still answers",
+                "heard; two devices at address 5, or another client whose requests are not heard here, or an adapter that "
+                "receives what it sends: switch the device off, and see whether something still answers",
             ],
         )
 
@@ -88,7 +88,7 @@ class DoctorAtAScriptedLine(Doctor):
                 [
                     "fault    idle line: another client is on this line: FRAMES; an RS-485 line has one client: let "
                     "the other one (a gateway, a PLC, a tool) connect to the gateway instead",
-                    "unknown  answers: nobody was asked: that would damage the frames of the other client",
+                    "unknown  answers: no device was asked: requests would damage the frames of the other client",
                 ],
                 1,
             ),
@@ -120,8 +120,7 @@ class DoctorAtAScriptedLine(Doctor):
             [
                 *beginning(self.device, "19200 8E1"),
                 QUIET,
-                "fault    other client: a request was heard that is not ours: unit 9: read holding registers 0; nobody "
-                "was asked any more; an RS-485 line has one client: let the other one (a gateway, a PLC, a tool) "
+                "fault    other client: a request of another client was heard: unit 9: read holding registers 0; no more requests were sent; an RS-485 line has one client: let the other one (a gateway, a PLC, a tool) "
                 "connect to the gateway instead",
                 NO_ECHO,
                 f"ok       answers of unit 5: 1 of 1 requests answered, {TIMES}",
@@ -140,11 +139,9 @@ class DoctorAtAScriptedLine(Doctor):
             (re.sub(r"\d+ bytes", "N bytes", done.stdout).splitlines()[5:], done.returncode),
             (
                 [
-                    "fault    idle line: N bytes heard in 200ms that are no frame at 19200 8E1: "
-                    "00 00 00 00 00 00 00 00 ..; as of a line that nothing holds at rest (are A and B exchanged, is "
-                    "there a bias and a termination, is a wire loose?), or of another client at another rate or parity",
-                    "unknown  answers: nobody was asked: what was heard may be another client, whose frames that would "
-                    "damage",
+                    "fault    idle line: N bytes heard in 200ms that are not a frame at 19200 8E1: "
+                    "00 00 00 00 00 00 00 00 ..; looks like a line without an idle level (are A and B exchanged, is bias or termination missing, is a wire loose?), or like another client at another rate or parity",
+                    "unknown  answers: no device was asked: these bytes may be from another client, and requests would damage its frames",
                 ],
                 1,
             ),

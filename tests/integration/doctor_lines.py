@@ -15,10 +15,10 @@ def without_figures(text):
 
 def beginning(device, mode):
     return [
-        f"ok       port: {device} is there",
+        f"ok       port: {device} exists",
         f"ok       permission: USER may open {device}",
         "ok       holder: no other program is seen to have it open",
-        "unknown  latency: PTY is no FTDI adapter, or does not show its timer",
+        "unknown  latency: PTY is not an FTDI adapter, or does not show its timer",
         f"ok       settings: {mode} is set and was read back",
     ]
 

@@ -139,9 +139,7 @@ class DoctorAtTheSimulator(Doctor):
                 "two devices at this address whose answers overlap, or its own rate, parity, wires or transceiver: "
                 "switch it off, and see whether something still answers",
                 f"ok       answers of unit 17 (damaged-belt): {ANSWERS}",
-                "unknown  addresses: each answer of unit 3 (damaged-lift) is damaged (up to 7 bytes), while others "
-                "answer well: two devices whose answers overlap would look so, and so would its own rate, parity, "
-                "wires or transceiver; switch it off: if something still answers, there is a second one",
+                "unknown  addresses: each answer of unit 3 (damaged-lift) is damaged (up to 7 bytes), while others answer well: two devices whose answers overlap look like this, and so does a device with a wrong rate or parity, bad wires or a bad transceiver; switch it off: if something still answers, there is a second one",
             ],
         )
 
@@ -153,7 +151,7 @@ class DoctorAtTheSimulator(Doctor):
             [
                 *beginning("./hearing", "19200 8N1"),
                 QUIET,
-                "fault    echo: the port hears what it sends: each request came back before its answer, and the bus "
+                "fault    echo: the port receives what it sends: each request came back before its answer, and the bus "
                 'has echo = false; set echo = true or "auto"',
                 f"ok       answers of unit 3 (hearing-lift): {ANSWERS}",
                 "ok       addresses: no request had a second answer",
@@ -167,8 +165,7 @@ class DoctorAtTheSimulator(Doctor):
             [
                 *beginning("healthy", "19200 8E1"),
                 QUIET,
-                "unknown  answers: nobody was asked: it is not known who is there: name a unit with --address, or find "
-                "one with mbgatectl scan --device healthy",
+                "unknown  answers: no device was asked: no unit is known: name one with --address, or find one with mbgatectl scan --device healthy",
             ],
         )
 
@@ -204,7 +201,7 @@ class DoctorAtTheSimulator(Doctor):
         self.assertEqual((done.returncode, done.stdout), (2, ""))
         self.assertEqual(
             done.stderr,
-            "mbgatectl: there is no bus attic in the configuration; there is healthy, dead, damaged, hearing\n",
+            "mbgatectl: the configuration has no bus attic; it has healthy, dead, damaged, hearing\n",
         )
         done = self.examine("--config", "missing.toml")
         self.assertEqual((done.returncode, done.stdout), (78, ""))

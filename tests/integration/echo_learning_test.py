@@ -59,7 +59,7 @@ class EchoLearning(FaultCase):
         done = sum(client.ask(write_of(value)) == write_of(value) for value in range(WRITES))
         self.assertEqual(done, WRITES)
         self.assertEqual(client.ask(READ), b"\x03\x02\x12\x34")
-        self.assertEqual(self.lines("hears what it sends"), [])
+        self.assertEqual(self.lines("receives what it sends"), [])
 
     def test_an_echo_without_a_drive_acknowledges_nothing(self):
         line = self.attach(lambda _, request: request)
@@ -67,7 +67,7 @@ class EchoLearning(FaultCase):
         for value in (1, 2):
             self.assertEqual(client.ask(write_of(value)), exception(6, NO_ANSWER))
         self.assertEqual(line.requests, 2)
-        self.gateway.wait_for("a write was answered by its own repetition, and no read has shown yet")
+        self.gateway.wait_for("a write came back unchanged, and no read has shown yet")
 
     def test_a_drive_behind_an_echo_is_understood(self):
         self.attach(lambda _, request: request + answered(request))
@@ -76,7 +76,7 @@ class EchoLearning(FaultCase):
         for value in (1, 2):
             self.assertEqual(client.ask(write_of(value)), write_of(value))
         self.assertEqual(client.ask(MULTIPLE), MULTIPLE[:5])
-        self.gateway.wait_for("the line hears what it sends")
+        self.gateway.wait_for("the adapter receives what it sends")
 
 
 if __name__ == "__main__":

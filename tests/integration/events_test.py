@@ -71,7 +71,7 @@ class Events(ControlCase):
         self.assertEqual([stream.status for stream in streams], [200] * MOST_STREAMS)
         code, body = self.ask("GET", EVENTS)
         self.assertEqual(code, 503)
-        why = "5 clients follow events or the trace already, [http] max_streams allows 5"
+        why = "5 clients already follow events or the trace; [http] max_streams allows 5"
         self.assertEqual(body["error"], why)
         refused = self.mbgatectl("events", "--control", self.plant.control)
         self.assertEqual((refused.returncode, refused.stdout), (1, ""))

@@ -65,7 +65,7 @@ class Failsafe(FaultCase):
         self.write(client, 2)
         client.close()
         self.assertEqual(self.written(), [1, 2, STOP])
-        self.gateway.wait_for("device axis-x: the client that counts for it has gone; it has acknowledged")
+        self.gateway.wait_for("device axis-x: the client that counts for it has gone; the device has acknowledged")
 
     def test_they_go_on_until_the_drive_has_acknowledged_them_though_nobody_asks(self):
         self.begin()
@@ -76,7 +76,7 @@ class Failsafe(FaultCase):
         self.gateway.wait_for("device axis: .* its failsafe writes are not acknowledged yet")
         self.written(8)  # more than the tries of a stop
         self.drives.deaf = False
-        self.gateway.wait_for("it has acknowledged its failsafe writes")
+        self.gateway.wait_for("the device has acknowledged its failsafe writes")
         count = len(self.drives.writes)
         with_other = self.client()
         self.write(with_other, 3)

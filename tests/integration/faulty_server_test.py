@@ -144,7 +144,7 @@ class FaultyServers(unittest.TestCase):
                     self.assertEqual(self.client.ask(one_register(1)), exception(3, code))
                 device = self.device()
                 self.assertEqual((device["state"], device["unanswered_in_row"]), ("offline", 3), device)
-                self.assertIn(("bus far", "the server answers, but reaches none of them"), self.findings())
+                self.assertIn(("bus far", "the server answers, but reaches no device"), self.findings())
                 limit = 100 * PATIENCE
                 while self.client.ask(one_register(1)) != answered(1):  # the probes, and what is refused between them
                     limit -= 1

@@ -77,7 +77,7 @@ class HttpBounds(HttpCase):
             over_unix.sendall(head)
             answer = over_unix.makefile("rb").read()  # the connection ends with it
             self.assertEqual(answer[9:12], code)
-            self.assertIn(b"no request here needs one", answer)
+            self.assertIn(b"expected no body", answer)
         body = b"x" * 4096
         over_unix, over_tcp = self.connections()
         over_unix.sendall(LENGTH % len(body) + body)

@@ -102,7 +102,8 @@ class HttpPlaces(HttpCase):
             for site in ("cross-site", "same-site"):
                 headers = {"Sec-Fetch-Site": site, "Sec-Fetch-Mode": "no-cors", "Sec-Fetch-Dest": "image"}
                 code, body = self.ask("GET", path, self.tcp(), headers)
-                self.assertEqual((code, body["error"]), (403, f"asked by a page from elsewhere, \"{site}\" (Sec-Fetch-Site)"))
+                why = f"the request comes from a page of another origin, \"{site}\" (Sec-Fetch-Site)"
+                self.assertEqual((code, body["error"]), (403, why))
         for site in ("same-origin", "none"):
             self.assertEqual(self.ask("GET", STATUS, self.tcp(), {"Sec-Fetch-Site": site})[0], 200)
         # A link leads to the page, and to nothing else.

@@ -53,12 +53,12 @@ class Http(HttpCase):
         self.assertIn("mbgated has ended", following.stderr.read())
         shown = self.mbgatectl("status", "--control", self.server())
         self.assertEqual((shown.returncode, shown.stdout), (1, ""))
-        self.assertIn(f"nobody listens at {self.server()}", shown.stderr)
+        self.assertIn(f"no program listens at {self.server()}", shown.stderr)
 
     def test_nothing_is_changed_over_tcp(self):
         self.listen()
         self.edit("baud = 9600", "baud = 19200")
-        only = {"error": "only on the Unix socket, [http] socket: nothing is changed over TCP"}
+        only = {"error": "expected the Unix socket ([http] socket): nothing can be changed over TCP"}
         self.assertEqual(self.ask("POST", RELOAD, self.tcp()), (403, only))
         self.assertEqual(self.ask("POST", STATUS, self.tcp()), (403, only))
         self.assertEqual(self.ask("POST", "/", self.tcp()), (403, only))
@@ -73,13 +73,13 @@ class Http(HttpCase):
             refused = {"error": "this address may not read: it is not in [http] allow"}
             self.assertEqual(self.ask("GET", STATUS, self.tcp("127.0.0.2")), (403, refused))
         self.assertEqual(self.ask("GET", STATUS, self.tcp())[0], 200)
-        self.plant.wait_for(r"^warning: http: 127\.0\.0\.2 may not read, it is not in \[http\] allow$")
+        self.plant.wait_for(r"^warning: http: client 127\.0\.0\.2 refused: not in \[http\] allow$")
         self.configure('listen = ["127.0.0.1:0"]', 'allow = ["127.0.0.2"]')
         self.plant.wait_for("reload: done$")
         self.assertEqual(self.ask("GET", STATUS, self.tcp())[0], 403)
         self.assertEqual(self.ask("GET", STATUS, self.tcp("127.0.0.2"))[0], 200)
         # Once of an address, though it came three times.
-        self.assertEqual(sum("127.0.0.2 may not read" in line for line in self.plant.printed()), 1)
+        self.assertEqual(sum("127.0.0.2 refused" in line for line in self.plant.printed()), 1)
 
     def test_what_is_meant_for_another_name_is_refused(self):
         self.listen()
@@ -101,7 +101,7 @@ class Http(HttpCase):
         for path in (STATUS, EVENTS, TRACE, "/healthz", "/"):
             for origin in ("http://evil.example", "null", "http://127.0.0.1"):
                 code, body = self.ask("GET", path, self.tcp(), {"Origin": origin})
-                self.assertEqual((code, body["error"]), (403, f'asked by a page from elsewhere, "{origin}" (Origin)'))
+                self.assertEqual((code, body["error"]), (403, f'the request comes from a page of another origin, "{origin}" (Origin)'))
         # No page comes from a Unix socket; one from elsewhere could come to it through a tunnel.
         self.assertEqual(self.ask("GET", STATUS, headers={"Origin": "http://mbgated"})[0], 403)
         self.assertEqual(self.ask("POST", RELOAD, headers={"Origin": "http://mbgated"})[0], 403)
@@ -131,7 +131,7 @@ class Http(HttpCase):
         self.assertEqual([stream.status for stream in streams], [200, 200])
         self.assertEqual(self.ask("GET", EVENTS)[0], 503)
         code, body = self.ask("GET", EVENTS, self.tcp())
-        why = "2 clients follow events or the trace already, [http] max_streams allows 2"
+        why = "2 clients already follow events or the trace; [http] max_streams allows 2"
         self.assertEqual((code, body["error"]), (503, why))
         self.assertEqual(self.ask("GET", STATUS, self.tcp())[0], 200)
         streams.pop().close()
@@ -143,7 +143,7 @@ class Http(HttpCase):
         self.listen("max_streams = 4")
         self.assertEqual([self.events(self.tcp()).status for _ in range(4)], [200, 200, 200, 503])
         code, body = self.ask("GET", TRACE, self.tcp())
-        why = "3 clients follow events or the trace over TCP already, [http] max_streams = 4 allows 3 there"
+        why = "3 clients already follow events or the trace over TCP; [http] max_streams = 4 allows 3 there"
         self.assertEqual((code, body["error"]), (503, why))
         self.assertEqual(self.events(UnixConnection(self.plant.control)).status, 200)
 

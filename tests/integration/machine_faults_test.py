@@ -261,7 +261,7 @@ class MachineFaults(FaultCase):
         self.fill_journal(1400)  # more than the pipe takes, and the lines that wait for it
         self.assert_serves(reader, self.client())
         # Whoever reads it again hears how many are missing.
-        missing = self.read_journal(reading, rb"(\d+) lines are missing here: standard error did not take them\n")
+        missing = self.read_journal(reading, rb"(\d+) lines are missing here: standard error did not accept them fast enough\n")
         self.assertGreater(int(missing.group(1)), 0)
         self.fill_journal(1400)
         began = time.monotonic()

@@ -198,7 +198,7 @@ class SharedLines(Case):
             self.assertEqual(refused.returncode, 78)
             self.assertIn('by bus "cell-a"', refused.stderr)
             gateway = self.start(text + SERVER.format(name="cell-b", host="localhost", port=server.port))
-            gateway.wait_for(r"cell-[ab].*is what bus cell-[ab] has open")
+            gateway.wait_for(r"cell-[ab].*is already open as bus cell-[ab]")
 
 
 if __name__ == "__main__":

@@ -122,7 +122,7 @@ class PageModules(unittest.TestCase):
                     const canvas = document.createElement("canvas");
                     plotLatency(canvas, "axis-x", history.of(history.points, "line-a 1"), history.now());
                     return canvas.ariaLabel;""")
-                self.assertRegex(label, f"^How long axis-x thought, in the last {words}, half of them within 4.00 ms")
+                self.assertRegex(label, f"^How long axis-x took to answer, in the last {words}, half of them within 4.00 ms")
 
     def test_addresses_of_clients_are_not_kept_for_ever(self):
         counts, chosen, last = self.made("""

@@ -60,7 +60,7 @@ class Page(unittest.TestCase):
         self.assertRegex(card["why"], r"\d requests in a row without an answer")
         self.browser.wait_for("a finding", lambda: (
             "device lift: it does not answer any more" in self.browser.text("#finding-list")))
-        self.assertIn("Look at its power", self.browser.text("#finding-list"))
+        self.assertIn("Look at: its power", self.browser.text("#finding-list"))
         self.browser.wait_for("an event", lambda: any(
             row["Event"].startswith("device lift: does not answer any more") for row in self.browser.rows("event-rows")))
         self.assertRegex(self.browser.card("line-c")["why"], "1 of 1 device does not answer")
@@ -79,7 +79,7 @@ class Page(unittest.TestCase):
             return found if len(found) == 7 and all(re.search(r"\d+ (%|answers)", label) for label in found) else None
         found = self.browser.wait_for("seven plots with figures", labels)
         self.assertIn("Load of line-a in the last two minutes: now", found[0])
-        self.assertRegex(found[3], r"How long axis-x thought, in the last two minutes: \d+ answers, half of them within")
+        self.assertRegex(found[3], r"How long axis-x took to answer, in the last two minutes: \d+ answers, half of them within")
 
     def test_filters_of_the_trace_are_kept_to(self):
         self.plant.poll(ABSENT)
@@ -88,7 +88,7 @@ class Page(unittest.TestCase):
         self.traced(lambda row: row["Answer"].startswith("✕"), "failures alone")
         self.browser.wait_for("what has no route", lambda: any(
             "unit 31" in row["Request"] for row in self.browser.rows("trace-rows")))
-        self.assertRegex(self.browser.text("#trace-count"), r"^\d+ of the last \d+ transactions pass")
+        self.assertRegex(self.browser.text("#trace-count"), r"^\d+ of the last \d+ transactions match")
         self.browser.choose("#trace-failed", False)
         self.browser.choose("#trace-device", "turntable")
         self.traced(lambda row: row["Device"] == "turntable", "the turntable alone")
@@ -252,7 +252,7 @@ class Page(unittest.TestCase):
         self.plant.gateway.signal(signal.SIGSTOP)
         self.addCleanup(self.plant.gateway.signal, signal.SIGCONT)
         self.browser.wait_for("that mbgated is silent", lambda: (
-            self.browser.text("#contact") == "✕ mbgated does not answer. What stands here is old."))
+            self.browser.text("#contact") == "✕ mbgated does not answer. The figures below are old."))
         self.plant.gateway.signal(signal.SIGCONT)
         self.browser.wait_for("that it is live again", lambda: self.browser.text("#contact") == "✓ Live.")
 

@@ -117,10 +117,9 @@ TEST_F(ReloadRecorded, ReadsTheFilesOfTheFolderToo) {
   EXPECT_EQ(ask(other), 0x03U);
   plant.folder.write("conf.d/20-more.toml", "[gateway]\nunit = 8\n");
   reload(first, "the configuration stays as it is");
-  EXPECT_THAT(
-      plant.gateway.output(),
-      testing::ContainsRegex("error: .*conf.d/20-more.toml:2:1: error: unit: is said already "
-                             "at .*conf.d/10-new.toml:1:9\n"));
+  EXPECT_THAT(plant.gateway.output(),
+              testing::ContainsRegex("error: .*conf.d/20-more.toml:2:1: error: unit: is already "
+                                     "set at .*conf.d/10-new.toml:1:9\n"));
   EXPECT_EQ(ask(other), 0x03U);
   replay();
 }

@@ -143,7 +143,7 @@ class ScanOfABusOfAllFamilies(unittest.TestCase):
         before = (self.folder / "mbgate.toml").read_text(encoding="utf-8")
         done = self.scan("--units", "14", "--config", "mbgate.toml")
         self.assertEqual(done.returncode, 2)
-        self.assertEqual(done.stderr, "mbgatectl: mbgate.toml is there already\n")
+        self.assertEqual(done.stderr, "mbgatectl: mbgate.toml already exists\n")
         self.assertEqual((self.folder / "mbgate.toml").read_text(encoding="utf-8"), before)
 
     def test_says_when_nobody_answers(self):

@@ -71,8 +71,8 @@ TEST(SerialStart, IsRefusedForEveryoneOnTheNetwork) {
   Process gateway("mbgated", serial_arguments({"--listen", "0.0.0.0:0"}), {folder.path(), {}});
   EXPECT_EQ(gateway.wait_for_exit(), 64);
   EXPECT_EQ(gateway.output(),
-            "--listen: other machines reach 0.0.0.0: add --allow with those who may connect, such "
-            "as --allow 192.168.10.0/24\nRun with --help for more information.\n");
+            "--listen: other machines can reach 0.0.0.0: add --allow with the permitted clients, "
+            "such as --allow 192.168.10.0/24\nRun with --help for more information.\n");
 }
 
 TEST(SerialStart, IsCheckedAsAFileIs) {

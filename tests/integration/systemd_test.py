@@ -283,8 +283,8 @@ class SocketUnits(SystemdCase):
     """What others could reach, without being reached: 192.0.2.1 is no machine's address (RFC 5737)."""
 
     REFUSED = (
-        r'listener "plant": other machines reach the socket 192\.0\.2\.1:\d+ from systemd: expected \'allow\' with those who '
-        r'may connect, such as allow = \["192\.168\.10\.0/24"\], or a \[\[rule\]\]'
+        r'listener "plant": other machines can reach the socket 192\.0\.2\.1:\d+ from systemd: expected \'allow\' with the '
+        r'permitted clients, such as allow = \["192\.168\.10\.0/24"\], or a \[\[rule\]\]'
     )
 
     def open_socket(self, address):
@@ -386,8 +386,12 @@ class NotConfigured(SystemdCase):
         self.assertRegex(self.reload(gateway)["STATUS"], "^1 listener, 0 of 1 bus open, ")
         NotConfigured.configure(self)
         self.assertRegex(self.reload(gateway)["STATUS"], "^the last reload was refused, see the journal; ")
-        gateway.wait_for(r"no \[\[bus\]\] is left: only a restart of mbgated takes all buses away")
+        gateway.wait_for(r"error: no \[\[bus\]\] is configured: expected at least one; only a restart removes all buses$")
         self.end(gateway)
+        checked = subprocess.run([program("mbgated"), "--check", "--config", self.configuration],
+                                 check=False, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self.assertEqual(0, checked.returncode, checked.stdout)  # a start with it is possible
+        self.assertIn("; a reload that removes all buses is refused\n", checked.stdout)
 
 
 if __name__ == "__main__":

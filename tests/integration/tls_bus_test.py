@@ -121,7 +121,7 @@ class Bus(FrontCase):
         self.assertRegex(self.lost(gateway), "alert certificate expired")
         gateway = self.near(self.front(version=ssl.TLSVersion.TLSv1_3).port, "late")
         gateway.wait_for("far.*alert certificate expired")
-        self.assertRegex("".join(gateway.printed), r"\[\[tls\]\] plant: the certificate has expired at ")
+        self.assertRegex("".join(gateway.printed), r"\[\[tls\]\] plant: the certificate expired at ")
 
     def test_says_which_file_is_wrong(self):
         self.assertRegex(self.lost(self.near(self.front().port, "nobody")), f"^{self.folder}/nobody.crt: ")

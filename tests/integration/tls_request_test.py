@@ -67,11 +67,11 @@ class Requests(FrontCase):
     def test_are_sent_to_no_server_of_another_name(self):
         front = self.front("other")
         why = "certificate verify failed: IP address mismatch: the server's certificate is not for 127.0.0.1; " \
-              "--server-name says what it is for, if this server is meant"  # fmt: skip
+              "if this is the right server, give --server-name"  # fmt: skip
         self.assertEqual(self.cannot(front.port, why), self.refused(front.port, "holding", 0))
         self.printed(front.port, "holding", 0, "--server-name", "gw.plant")
         why = "certificate verify failed: hostname mismatch: the server's certificate is not for plant; " \
-              "--server-name says what it is for, if this server is meant"  # fmt: skip
+              "if this is the right server, give --server-name"  # fmt: skip
         told = self.refused(front.port, "holding", 0, "--server-name", "plant")
         self.assertEqual(self.cannot(front.port, why).lower(), told.lower())
 
@@ -85,7 +85,7 @@ class Requests(FrontCase):
         front = self.front()
         told = self.refused(front.port, "holding", 0, authorities="elsewhere/ca.crt")
         self.assertIn(f"cannot connect to 127.0.0.1:{front.port}: certificate verify failed: ", told)
-        self.assertIn(": nobody in elsewhere/ca.crt has signed the server's certificate\n", told)
+        self.assertIn(": no authority in elsewhere/ca.crt has signed the server's certificate\n", told)
 
     def test_tell_why_our_certificate_is_refused(self):
         for version in (ssl.TLSVersion.TLSv1_2, ssl.TLSVersion.TLSv1_3):

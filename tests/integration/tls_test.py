@@ -216,7 +216,7 @@ class Endings(TlsCase):
             with self.plant.client() as client:
                 self.assert_served(client)
         self.plant.gateway.wait_for(
-            r"client 127\.0\.0\.10: no TLS handshake: no ClientHello had come when another client did \(max_handshakes\)")
+            r"client 127\.0\.0\.10: no TLS handshake: closed for another client, because no ClientHello had come \(max_handshakes\)")
         self.assert_ended(silent[0])
         connection = UnixConnection(self.plant.folder / "control")
         self.addCleanup(connection.close)
@@ -228,7 +228,7 @@ class Endings(TlsCase):
         silent = [self.silent("127.0.0.1") for _ in range(8)]
         with self.plant.client() as client:
             self.assert_served(client)
-        self.refusal(r"no ClientHello had come when another client did \(max_handshakes_per_client\)")
+        self.refusal(r"closed for another client, because no ClientHello had come \(max_handshakes_per_client\)")
         self.assert_ended(silent[0])
 
     def test_a_piece_of_a_client_hello_is_none(self):
@@ -424,7 +424,7 @@ class Reload(TlsCase):
     def test_a_list_that_has_expired_is_told_and_still_counts(self):
         self.plant.authority.revoked.append(self.plant.operator)
         self.plant.write_crl(ends=-datetime.timedelta(minutes=1))
-        self.reload(r"\[\[tls\]\] ec: the list of revoked certificates has expired at .*: it still counts")
+        self.reload(r"\[\[tls\]\] ec: the list of revoked certificates expired at .*: it is still used")
         with self.assertRaisesRegex(ssl.SSLError, "CERTIFICATE_REVOKED"):
             self.plant.client(newest=VERSIONS[0])
         with self.plant.client(self.plant.authority.issue("other")) as client:
@@ -458,7 +458,7 @@ class Revocation(TlsCase):
 
 class Signer(TlsCase):
     def test_keys_that_others_can_change_or_read_are_refused(self):
-        for mode, why in ((0o660, "others than its owner may write it"), (0o604, "everybody may read it")):
+        for mode, why in ((0o660, "users other than its owner may write to it"), (0o604, "everybody may read it")):
             (self.plant.keys / "ec.key").chmod(mode)
             self.reload(rf"mbgate-signer: ec\.key: {why}: chmod ")
         (self.plant.keys / "ec.key").unlink()

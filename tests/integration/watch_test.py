@@ -109,9 +109,9 @@ class Watch(unittest.TestCase):
 
     def test_a_small_window_is_cut_and_says_so(self):
         watch = self.on_terminal(rows=5, columns=30)
-        watch.wait_for("lines more: the wi")
+        watch.wait_for("more lines: the wi")
         watch.resize(40, 160)
-        watch.wait_for("nine tenths and 99 of 100 of DRIVE")
+        watch.wait_for("P90, P99: percentiles of DRIVE")
         watch.type(b"q")
         self.assertEqual(watch.end(), 0)
 

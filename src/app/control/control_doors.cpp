@@ -230,14 +230,14 @@ Result<stream_protocol::acceptor, std::string> open_control_socket(boost::asio::
                                                                    const std::string& path) {
   // As long as the kernel takes them, without the final zero.
   if (path.size() >= sizeof(sockaddr_un::sun_path)) {
-    return sentence(path, fmt::format("the path is too long, expected less than {} characters",
+    return sentence(path, fmt::format("the path is too long, expected fewer than {} characters",
                                       sizeof(sockaddr_un::sun_path)));
   }
   const stream_protocol::endpoint endpoint(path);
   std::error_code no_status;
   if (std::filesystem::is_socket(path, no_status)) {
     if (!is_left_over(context, endpoint)) {
-      return sentence(path, "another process has it; give each mbgated its own [http] socket");
+      return sentence(path, "another process uses it; give each mbgated its own [http] socket");
     }
     ::unlink(path.c_str());
   }

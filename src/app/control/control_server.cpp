@@ -28,7 +28,7 @@ constexpr std::chrono::seconds kAnswerLimit{1};
 constexpr std::chrono::seconds kReloadLimit{30};
 constexpr std::string_view kTooManyCommands = "more than 10 commands (POST) within a second";
 constexpr std::string_view kNoAnswer = "the gateway has not answered within 1 s";
-constexpr std::string_view kOverdueText = "a bus is not looked at when it is time";
+constexpr std::string_view kOverdueText = "a bus has missed its deadline";
 constexpr std::string_view kEventsPath = "/api/v1/events";
 constexpr std::string_view kTracePath = "/api/v1/trace";
 
@@ -269,8 +269,9 @@ asio::awaitable<ControlServer::Response> ControlServer::reload(const Request& re
              [&target = target_, take = question.taker(), asker] { target.reload(asker, take); });
   const auto outcome = co_await question.wait(kReloadLimit);
   if (!outcome) {
-    co_return answer(request, http::status::service_unavailable,
-                     error_json("the reload has not ended within 30 s; the journal will say"));
+    co_return answer(
+        request, http::status::service_unavailable,
+        error_json("the reload has not ended within 30 s; the journal will have its result"));
   }
   boost::json::array messages;
   for (const std::string& message : outcome->messages) {

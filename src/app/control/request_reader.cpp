@@ -17,11 +17,11 @@ using Parser = http::request_parser<http::string_body>;
 std::optional<Refusal> refused_body(const Parser& parser) {
   if (parser.chunked()) {
     return Refusal{http::status::length_required,
-                   "a body without a length (Transfer-Encoding): no request here needs one"};
+                   "expected no body, found one without a length (Transfer-Encoding)"};
   }
   if (parser.content_length().value_or(0) > RequestReader::kLongestBody) {
     return Refusal{http::status::payload_too_large,
-                   fmt::format("a body of more than {} bytes: no request here needs one",
+                   fmt::format("expected no body, found one of more than {} bytes",
                                RequestReader::kLongestBody)};
   }
   return std::nullopt;

@@ -125,12 +125,12 @@ class StreamPlaces {
     const std::size_t taken = *of_socket_ + *of_tcp_;
     if (taken >= most_) {
       return fmt::format(
-          "{} clients follow events or the trace already, [http] max_streams allows {}", taken,
+          "{} clients already follow events or the trace; [http] max_streams allows {}", taken,
           most_);
     }
     if (over_tcp && *of_tcp_ >= most_over_tcp()) {
       return fmt::format(
-          "{} clients follow events or the trace over TCP already, [http] max_streams = {} allows "
+          "{} clients already follow events or the trace over TCP; [http] max_streams = {} allows "
           "{} there",
           *of_tcp_, most_, most_over_tcp());
     }

@@ -35,7 +35,8 @@ std::string without_port(std::string_view host) {
 
 Refusal foreign(std::string_view from, const char* header) {
   return {http::status::forbidden,
-          fmt::format("asked by a page from elsewhere, \"{}\" ({})", valid_utf8(from), header)};
+          fmt::format("the request comes from a page of another origin, \"{}\" ({})",
+                      valid_utf8(from), header)};
 }
 
 /// Does somebody go to the status page by a link elsewhere? It is shown to nobody but that person.
@@ -67,8 +68,9 @@ std::optional<Refusal> refused_everywhere(const http::request_header<>& request)
     return foreign(*site, "Sec-Fetch-Site");
   }
   if (is_stream_for_no_reader(request)) {
-    return Refusal{http::status::not_acceptable,
-                   "a browser follows it as an EventSource: expected text/event-stream in Accept"};
+    return Refusal{
+        http::status::not_acceptable,
+        "a browser can follow this only as an EventSource: expected text/event-stream in Accept"};
   }
   return std::nullopt;
 }
@@ -101,14 +103,14 @@ std::optional<Refusal> refused_over_tcp(const http::request_header<>& request,
                                         const std::vector<std::string>& hosts) {
   if (request.method() == http::verb::post) {
     return Refusal{http::status::forbidden,
-                   "only on the Unix socket, [http] socket: nothing is changed over TCP"};
+                   "expected the Unix socket ([http] socket): nothing can be changed over TCP"};
   }
   // What has none is HTTP/1.0, and comes from no browser.
   const auto host = value_of(request, http::field::host);
   if (host && !is_own_host(*host, hosts)) {
     return Refusal{http::status::misdirected_request,
-                   fmt::format("this machine does not go by the name \"{}\": ask for its address, "
-                               "or add the name to [http] hosts",
+                   fmt::format("\"{}\" is not a name of this machine: use its address, or add the "
+                               "name to [http] hosts",
                                valid_utf8(*host))};
   }
   const auto origin = value_of(request, http::field::origin);

@@ -83,9 +83,9 @@ void add_state(MetricBook& book, const Labels& labels, const DeviceStatus& devic
               "How long the device is held back after an unanswered request."},
              labels, seconds_of(device.quarantine));
   book.gauge({"mbgate_device_least_quarantine_seconds",
-              "The same as it is configured: only late responses make it longer."},
+              "The configured quarantine; only late responses make it longer."},
              labels, seconds_of(device.least_quarantine));
-  book.gauge({"mbgate_device_held_back_seconds", "How long it still gets nothing but stops."},
+  book.gauge({"mbgate_device_held_back_seconds", "How much longer the device gets only stops."},
              labels, seconds_of(device.held_back));
 }
 
@@ -134,13 +134,13 @@ void add_bus(MetricBook& book, const gateway::BusStatus& bus) {
   book.gauge({"mbgate_bus_info", "The line of the bus."}, info, 1);
   book.gauge({"mbgate_bus_open", "Whether the line is open."}, of_bus, bus.is_open ? 1 : 0);
   book.counter({"mbgate_bus_busy_seconds_total",
-                "Time in which something was sent or an answer waited for, with the silence after "
+                "Time in which the gateway sent or waited for an answer, with the silence after "
                 "it: its rate is the load of the line."},
                of_bus, seconds_of(bus.busy));
   book.gauge({"mbgate_bus_waiting_requests", "Requests that wait for the bus."}, of_bus,
              bus.waiting);
   book.gauge({"mbgate_bus_longest_waiting_seconds",
-              "How long the request has waited that waits longest; stops apart."},
+              "The longest time that a request has been waiting; stops are not counted."},
              of_bus, seconds_of(bus.longest_waiting));
   for (const bus::CounterKind& counter : bus::kBusCounters) {
     const bool is_one_of_several = counter.reason != nullptr;

@@ -15,7 +15,7 @@ void add_process(MetricBook& book, const gateway::StatusReport& report,
                  const ProcessStatus& process) {
   book.gauge({"mbgate_build_info", "The running version."}, {{"version", process.version}}, 1);
   book.gauge({"mbgate_config_last_reload_successful",
-              "Whether the configuration file was taken when it was last read."},
+              "Whether the configuration was accepted when it was last read."},
              {}, process.reload_refused ? 0 : 1);
   book.gauge({"mbgate_config_info", "The SHA-256 of the files of the configuration in force."},
              {{"sha256", process.config_digest}}, 1);
@@ -43,7 +43,7 @@ void add_process(MetricBook& book, const gateway::StatusReport& report,
   book.counter({"mbgate_foreign_adus_total", "Skipped ADUs of other protocols than Modbus."}, {},
                report.counters.foreign_adus);
   book.counter({"mbgate_framing_lost_total",
-                "Connections closed because what came was no Modbus TCP any more."},
+                "Connections closed because their client sent something other than Modbus TCP."},
                {}, report.counters.framing_lost);
 }
 
@@ -56,7 +56,7 @@ void add_listener(MetricBook& book, const gateway::ListenerStatus& listener,
   };
   book.gauge({"mbgate_listener_open_connections", "Connections of clients."}, labels(),
              listener.connections);
-  book.counter({"mbgate_listener_connections_total", "Connections that were let in."}, labels(),
+  book.counter({"mbgate_listener_connections_total", "Accepted connections."}, labels(),
                counters.connections);
   for (const auto& [limit, displaced] :
        {std::pair("max_connections", counters.displaced_full),
@@ -66,8 +66,7 @@ void add_listener(MetricBook& book, const gateway::ListenerStatus& listener,
                  labels({{"limit", limit}}), displaced);
   }
   for (std::size_t place = 0; place < gateway::kRefusalNames.size(); ++place) {
-    book.counter({"mbgate_listener_refused_connections_total",
-                  "Connections that were not let in, by reason."},
+    book.counter({"mbgate_listener_refused_connections_total", "Refused connections, by reason."},
                  labels({{"reason", gateway::kRefusalNames.at(place)}}),
                  counters.refused_connections.at(place));
   }

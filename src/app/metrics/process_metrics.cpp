@@ -40,7 +40,8 @@ void add_descriptors(MetricBook& book) {
   }
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) == 0) {
-    book.gauge({"process_max_fds", "How many may be open."}, {}, limit.rlim_cur);
+    book.gauge({"process_max_fds", "The most file descriptors that may be open."}, {},
+               limit.rlim_cur);
   }
 }
 

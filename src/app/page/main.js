@@ -25,8 +25,8 @@ let hasStream = true;
 
 function contact() {
   const stream = hasStream ? ""
-    : "✕ The live trace is interrupted: mbgated gives no stream, or serves as many readers as it may. It is tried again.";
-  const text = silence ? `✕ ${silence}. What stands here is old.` : stream;
+    : "✕ The live trace is interrupted: mbgated sends no stream, or [http] max_streams is reached. The page tries again.";
+  const text = silence ? `✕ ${silence}. The figures below are old.` : stream;
   setText(byId("contact"), text || "✓ Live.");
   setClass(byId("contact"), text ? "bad" : "good");
 }

@@ -19,7 +19,7 @@ function makeFinding() {
   const update = (it) => {
     setText(title, `✕ ${it.subject}: ${it.finding}`);
     setText(evidence, it.evidence);
-    setText(place, `Look at ${it.look_at}`);
+    setText(place, `Look at: ${it.look_at}`);
   };
   return { node, update };
 }
@@ -68,7 +68,7 @@ function makeDevice(history) {
   const { node, head, plot } = card();
   const slow = element("p", { class: "warn slow" });
   slow.hidden = true;
-  const facts = terms("facts", ["Bus, address", "Thinks (50, 90, 99 %)", "On the wire", "Waits for the line", "Response timeout",
+  const facts = terms("facts", ["Bus, address", "Device takes (50, 90, 99 %)", "On the wire", "Waits for the line", "Response timeout",
     "Last answer", "Quarantine"]);
   const counts = terms("counts", ["Sent", "Answered", "No response", "Bad CRC", "Late answers", "Exceptions"]);
   node.append(slow, facts.node, counts.node, plot);
@@ -79,8 +79,8 @@ function makeDevice(history) {
     slow.hidden = pace === "";
     setText(slow, pace && `! slow: ${pace}`);
     const codes = Object.entries(device.exceptions).map(([code, seen]) => `${seen} × ${code}`).join(", ");
-    const held = device.held_back_ms > 0 ? `held back for ${milliseconds(device.held_back_ms)} yet`
-      : `no; ${milliseconds(device.quarantine_ms)} after no response`;
+    const held = device.held_back_ms > 0 ? `held back for ${milliseconds(device.held_back_ms)} more`
+      : `no; ${milliseconds(device.quarantine_ms)} after a missing response`;
     facts.update([
       `${device.bus}, ${device.address}`, percentiles(times.device), percentiles(times.wire), percentiles(times.queue),
       milliseconds(device.response_timeout_ms),

@@ -82,7 +82,7 @@ export function plotLatency(canvas, name, points, now) {
   const span = reach(points, now);
   const shown = points.filter(({ at }) => at >= now - span);
   const time = span === PLOTTED ? "two minutes" : duration(span / 1e6);
-  canvas.setAttribute("aria-label", `How long ${name} thought, in the last ${time}: ${wordsOf(shown)}`);
+  canvas.setAttribute("aria-label", `How long ${name} took to answer, in the last ${time}: ${wordsOf(shown)}`);
   const top = roundUp(Math.max(1, ...shown.map(({ value }) => value ?? 0)));
   const drawn = frame(canvas, now, span, top, `${top} ms`);
   if (!drawn) {

@@ -43,7 +43,7 @@ export class Timeline {
       ["Request", (it) => it.text],
       ["Silence before (needed)", (it) => this.silence(it)],
       ["Request takes", (it) => (it.leftAt > it.sentAt ? between(it.sentAt, it.leftAt) : "–")],
-      ["Device thinks", (it) => (it.sentAt === null ? "–" : between(it.leftAt, of(it).from))],
+      ["Device takes", (it) => (it.sentAt === null ? "–" : between(it.leftAt, of(it).from))],
       ["Response takes", (it) => (this.history.character(it.bus) > 0 ? between(of(it).from, of(it).to) : "–")],
       ["Outcome", (it) => outcomeText(it) + quarantineText(it), (it) => (isFailure(it) ? "bad" : "")],
     ];

@@ -152,7 +152,7 @@ export class Picture {
     }
     const mark = colour(isLost ? "bad" : "faint");
     this.dashed(wire.leftAt, until, top + high / 2, mark);
-    const text = isLost ? `✕ ${wire.outcome} in ${between(wire.leftAt, until)}` : `thinks ${between(wire.leftAt, until)}`;
+    const text = isLost ? `✕ ${wire.outcome} in ${between(wire.leftAt, until)}` : `takes ${between(wire.leftAt, until)}`;
     this.label(text, this.x(wire.leftAt) + 4, this.x(until) - 4, top + high / 2 - 9, mark);
     if (isLost) {
       this.pen.fillStyle = mark;

@@ -21,7 +21,7 @@ function lineOf(id, json) {
     buses: [...new Set([...targets, ...json.wire].map(({ bus }) => bus))],
     devices: [...new Set([...targets, ...json.wire].map(({ device }) => device).filter((name) => name !== null))],
     function: json.request ? parseInt(json.request.bytes.slice(21, 23), 16) : null,
-    request: json.request ? json.request.text : (wire.sent?.text ?? "not asked for"),
+    request: json.request ? json.request.text : (wire.sent?.text ?? "no request"),
     answer: (json.failed ? "✕ " : "✓ ") + answer,
     took: json.answer ? between(at, instant(json.answer.at)) : "–",
   };
@@ -127,8 +127,8 @@ export class Trace {
     const all = this.held ?? this.lines;
     const matching = all.filter(this.matches());
     this.rows.show(matching.slice(-SHOWN).reverse());
-    const lost = this.lost > 0 ? `; ${this.lost} more were too many for this page, and are missing` : "";
+    const lost = this.lost > 0 ? `; ${this.lost} more were dropped, because they were too many for this page` : "";
     const last = matching.length > SHOWN ? `, the last ${SHOWN} shown` : "";
-    setText(byId("trace-count"), `${matching.length} of the last ${all.length} transactions pass${last}${lost}.`);
+    setText(byId("trace-count"), `${matching.length} of the last ${all.length} transactions match${last}${lost}.`);
   }
 }

@@ -14,17 +14,17 @@ export function whyOfBus(bus, diagnoses, silent, devices) {
     return `${found(diagnoses)}.${answers}`;
   }
   if (!bus.open) {
-    return "It could not be opened, or was lost; it is tried again.";
+    return "The line could not be opened, or was lost; mbgated tries again.";
   }
   const { verdict } = bus.quality;
-  return (verdict === "unknown" ? "Too few answers for a verdict." : `The quality of what it carries is ${verdict}.`) + answers;
+  return (verdict === "unknown" ? "Too few answers for a verdict." : `The quality of the answers is ${verdict}.`) + answers;
 }
 
 export function whyOfDevice(device, diagnoses) {
   const unanswered = `${count(device.unanswered_in_row, "request")} in a row without an answer`;
-  const probe = device.next_probe_in_ms === null ? "" : `; asked again in ${duration(device.next_probe_in_ms / 1000)}`;
+  const probe = device.next_probe_in_ms === null ? "" : `; next probe in ${duration(device.next_probe_in_ms / 1000)}`;
   const why = {
-    "not asked": "Nobody has asked it for anything yet.",
+    "not asked": "No client has asked it yet.",
     answering: device.quality.verdict === "unknown" ? "It has answered." : `Its answers are ${device.quality.verdict}.`,
     "not answering": `${unanswered}.`,
     offline: `${unanswered}${probe}.`,

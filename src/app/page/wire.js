@@ -17,7 +17,7 @@ export function wireOf(json) {
     framing: json.framing,
     outcome: json.outcome,
     tries: json.try ?? 0,
-    text: json.sent ? json.sent.text : "not asked for",
+    text: json.sent ? json.sent.text : "no request",
     heardText: json.heard_text,
     bytes: json.sent ? bytesOf(json.sent.bytes) : [],
     sentAt,
@@ -35,7 +35,7 @@ export function wireOf(json) {
 
 /** A line with an echo hears first what was sent. */
 function withoutEcho(heard, sent, text) {
-  if (!text.startsWith("the same as was sent")) {
+  if (!text.startsWith("the same bytes as sent")) {
     return heard;
   }
   let left = sent.length;

@@ -199,7 +199,7 @@ Result<TraceFilter, std::string> TraceFilter::parse(std::string_view query) {
     const std::string_view key = take_before(value, '=');
     const auto plain = decoded(value);
     std::string wrong = plain ? set(filter, key, *plain)
-                              : fmt::format("{}: a % stands before two hexadecimal digits", key);
+                              : fmt::format("{}: expected two hexadecimal digits after %", key);
     if (!wrong.empty()) {
       return {boost::system::in_place_error, std::move(wrong)};
     }

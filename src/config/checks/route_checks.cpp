@@ -22,10 +22,10 @@ void check_order_known(Draft& draft, std::size_t route, std::size_t at) {
   if (!draft.profile_known[at] || !has_values(device) || device.word_order) {
     return;
   }
-  draft.routes[route].error("word_order",
-                            "nobody says what " + in_quotes(device.name) +
-                                R"( speaks: add word_order = "big" or "little" to it at )" +
-                                draft.devices[at].place_of("name"));
+  draft.routes[route].error(
+      "word_order", "the word order of " + in_quotes(device.name) +
+                        R"( is not configured: add word_order = "big" or "little" to it at )" +
+                        draft.devices[at].place_of("name"));
 }
 
 /// A forgotten profile would leave every value in the drive's own order without a word.
@@ -132,7 +132,7 @@ void check_broadcast_mixed(Draft& draft, TomlTable& table, std::string_view key,
         table.warning(
             key,
             "{} ({}) and {} ({}) hear the same broadcast, and a register means different things to "
-            "them: only stops are sent; broadcast_mixed = true lets all through",
+            "them: only stops are sent; broadcast_mixed = true permits all broadcasts",
             in_quotes(first->name), first->profile.name, in_quotes(device.name),
             device.profile.name);
         break;

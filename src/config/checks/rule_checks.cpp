@@ -227,7 +227,7 @@ void check_units(Draft& draft, std::size_t at) {
       }
     }
   }
-  warn(draft, at, "on its listeners no unit leads to where it is about");
+  warn(draft, at, "no unit of its listeners leads to its devices and buses");
 }
 
 void check_hidden(Draft& draft, std::size_t at) {
@@ -235,7 +235,7 @@ void check_hidden(Draft& draft, std::size_t at) {
   for (std::size_t earlier = 0; earlier < at; ++earlier) {
     if (hides(rules[earlier], rules[at])) {
       warn(draft, at,
-           "all that it matches is decided before, by the one at " +
+           "all that it matches is already decided by the rule at " +
                place(draft.document, draft.rules[earlier].position()));
       return;
     }

@@ -16,7 +16,9 @@ using routing::Route;
 /// Warnings, because a gateway that is not configured yet can be asked for its status and reloaded.
 void check_present(Draft& draft) {
   if (stands_nowhere(draft.document.root(), "bus")) {
-    draft.document.warning({}, "no [[bus]] is configured: there is no line to any device");
+    draft.document.warning({},
+                           "no [[bus]] is configured: no device can be reached; a reload that "
+                           "removes all buses is refused");
   }
   if (stands_nowhere(draft.document.root(), "listen")) {
     draft.document.warning({}, "no [[listen]] is configured: no client can connect");
@@ -35,7 +37,7 @@ void check_overlaps(Draft& draft) {
           routes[later].listener != routes[earlier].listener) {
         continue;
       }
-      draft.routes[later].error("unit", "{} has a route already at {}",
+      draft.routes[later].error("unit", "{} already has a route at {}",
                                 std::max(units->first, taken->first),
                                 draft.routes[earlier].place_of("unit"));
       break;
@@ -79,9 +81,10 @@ void check_failsafe(Draft& draft) {
       continue;
     }
     if (written && !is_said_who_counts(settings.guards[i])) {
-      draft.devices[i].warning("failsafe",
-                               "whoever writes last counts, and more than one client may write: "
-                               "say in failsafe_clients whose leaving sends these writes");
+      draft.devices[i].warning(
+          "failsafe",
+          "the client that wrote last counts, and more than one may write: name in "
+          "failsafe_clients the clients whose disconnection sends these writes");
     }
     if (!written) {
       draft.devices[i].warning("failsafe",
@@ -140,7 +143,7 @@ void check_ways(Draft& draft) {
   }
   if (!any_routed && !draft.routes.empty()) {
     draft.document.warning(draft.routes[0].position(),
-                           "[[route]]: every listener has its 'bus', so routes serve nobody");
+                           "[[route]]: every listener has its 'bus', so no listener uses routes");
   }
 }
 
@@ -187,8 +190,8 @@ void check_length(Draft& draft, std::size_t at) {
   if (route.deadline && *route.deadline < sensible) {
     draft.routes[at].warning(
         "deadline",
-        "{} is shorter than {} (500ms, and twice the longest transaction of the bus): requests may "
-        "give up behind one silent device or one lost answer",
+        "{} is shorter than {} (500ms, and twice the longest transaction of the bus): one silent "
+        "device or one lost answer can use up this deadline",
         to_text(*route.deadline), to_text(sensible));
   }
 }

@@ -87,7 +87,7 @@ void check_guarded(ProfileDraft& draft) {
     const bool is_value = value != draft.file.values.end() && value->value.range() == range;
     if (range.count == 2 && !is_value) {
       draft.guarded_tables[at].error("registers",
-                                     numbers(draft.file, range) + " are no value of values32");
+                                     numbers(draft.file, range) + " are not a value of values32");
     } else if (!is_value && value != draft.file.values.end()) {
       draft.guarded_tables[at].error(
           "register", "{} is a part of the value {}: give its first register, and registers = 2",

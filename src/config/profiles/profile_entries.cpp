@@ -97,7 +97,8 @@ void read_guarded(ProfileDraft& draft, TomlTable& entry) {
   drive::GuardedWrite guarded{range.value_or(drive::TableRange{Table::holding_registers, 0, 1})};
   if (guarded.range.count > 2 ||
       (guarded.range.count == 2 && guarded.range.table == Table::coils)) {
-    entry.error("registers", "{} have no one value: expected 1, or 2 for a value of values32",
+    entry.error("registers",
+                "{} registers do not hold one value: expected 1, or 2 for a value of values32",
                 guarded.range.count);
     return;
   }

@@ -168,7 +168,7 @@ void read_word_order_register(ProfileDraft& draft) {
   draft.file.word_order_line = read_manual_line(*table);
   for (const auto code : little) {
     if (std::ranges::find(big, code) != big.end()) {
-      table->error("little", "{} stands for both orders", code);
+      table->error("little", "{} is used for both orders", code);
     }
   }
   if (address) {

@@ -97,7 +97,7 @@ std::string unknown_profile(const ProfileLibrary& library, std::string_view name
     return text + meant;
   }
   const bool any = names.size() > 1;
-  text += any ? "; there are " : "; there is none but \"generic\" in ";
+  text += any ? "; there are " : "; there is only \"generic\" in ";
   std::string separator;
   if (any) {
     for (const auto& known : names) {

@@ -93,7 +93,7 @@ void check_line(Draft& draft, const bus::BusSettings& settings) {
   TomlTable& other = draft.buses[static_cast<std::size_t>(same - all.begin())];
   const std::string line = line_text(settings.line);
   const std::string known = line_text(same->line);
-  draft.buses.back().error(key(draft.buses.back()), "{}{} is taken already at {} by bus {}", line,
+  draft.buses.back().error(key(draft.buses.back()), "{}{} is already used at {} by bus {}", line,
                            line == known ? "" : fmt::format(", the same line as {},", known),
                            other.place_of(key(other)), in_quotes(same->name));
 }
@@ -109,7 +109,7 @@ void read_peer(Draft& draft, TomlTable& table, bus::LineSettings& line, Lines li
     }
   }
   if (is_server && table.has("server_name") && !table.has("tls")) {
-    table.error("server_name", "is what the certificate of the server is for: expected 'tls' too");
+    table.error("server_name", "is the name in the certificate of the server: expected 'tls' too");
   }
   if (server_name && server_name->empty()) {
     table.error("server_name", "expected a host name or an IP address, found an empty string");
@@ -191,8 +191,8 @@ void check_probe_timeout(TomlTable& table, const drive::DeviceTiming& timing) {
   for (const auto* key : {"probe_timeout", "response_timeout"}) {
     if (table.has(key)) {  // otherwise the error was reported at the bus
       table.warning(key,
-                    "probe_timeout ({}) is longer than response_timeout ({}): an offline device is "
-                    "waited for longer than one that answers",
+                    "probe_timeout ({}) is longer than response_timeout ({}): the gateway would "
+                    "wait longer for an offline device than for one that answers",
                     to_text(*timing.probe_timeout), to_text(timing.response_timeout));
       return;
     }

@@ -37,7 +37,7 @@ void check_address_free(Draft& draft, const drive::Device& device) {
   });
   if (same != all.end()) {
     const auto first = static_cast<std::size_t>(same - all.begin());
-    draft.devices.back().error("address", "{} on this bus is taken already at {}", device.address,
+    draft.devices.back().error("address", "{} on this bus is already used at {}", device.address,
                                draft.devices[first].place_of("address"));
   }
 }
@@ -64,7 +64,7 @@ void check_address_of_profile(const Draft& draft, TomlTable& table, const drive:
   const auto& profile = device.profile;
   if (device.address != 0 && !is_tcp(draft, device.bus) &&
       (device.address < profile.first_address || device.address > profile.last_address)) {
-    table.warning("address", "{} is none of the addresses of {}, {} to {}", device.address,
+    table.warning("address", "{} is not an address of {}, which has {} to {}", device.address,
                   in_quotes(profile.name), profile.first_address, profile.last_address);
   }
 }
@@ -79,7 +79,7 @@ void check_broadcast_address(Draft& draft) {
     });
     if (hearer != devices.end()) {
       draft.devices[i].error("address",
-                             "{} is the address of broadcasts on this bus ({} hears them there)",
+                             "{} is the address of broadcasts on this bus ({} receives them there)",
                              devices[i].address, in_quotes(hearer->name));
     }
   }
@@ -166,9 +166,9 @@ void read_orders(Draft& draft, TomlTable& table, drive::Device& device) {
   }
   if (!profile.word_order_register) {
     table.error("verify_word_order",
-                in_quotes(profile.name) + " names no register that tells the word order");
+                in_quotes(profile.name) + " names no register that holds the word order");
   } else if (!table.has("word_order")) {
-    table.error("verify_word_order", "needs 'word_order': what should be found there");
+    table.error("verify_word_order", "needs 'word_order', the expected setting");
   }
 }
 

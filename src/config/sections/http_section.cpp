@@ -70,13 +70,13 @@ void read_listen(Draft& draft, TomlTable& table) {
       continue;
     }
     if (const auto first = taken_at(draft, entries, *listen)) {
-      draft.document.error(position, "listen: the port of {} is taken already at {}",
+      draft.document.error(position, "listen: the port of {} is already used at {}",
                            in_quotes(text), place(draft.document, *first));
     }
     if (!is_loopback(listen->address) && !table.has("allow")) {
       draft.document.error(position,
-                           "listen: other machines reach {}: expected 'allow' with those who may "
-                           "read, such as allow = [\"192.168.10.0/24\"]",
+                           "listen: other machines can reach {}: expected 'allow' with the "
+                           "permitted clients, such as allow = [\"192.168.10.0/24\"]",
                            in_quotes(text));
     }
     draft.settings.http.listen.push_back(*listen);
@@ -106,7 +106,7 @@ void read_hosts(TomlTable& table, HttpSettings& http) {
   for (auto& [text, position] : table.strings("hosts").value_or(std::vector<TomlText>())) {
     if (!is_host(text)) {
       table.report_expected("hosts", {position, text},
-                            "a name as it stands in a URL, without port, such as "
+                            "a host name as in a URL, without port, such as "
                             "\"gateway.plant\"");
       continue;
     }

@@ -109,7 +109,8 @@ void read_serial(TomlTable& table, bus::LineSettings& line) {
   read_switch(table, "echo", line.echo);
   read_switch(table, "paced", line.paced);
   if (line.remote && line.rs485 != bus::Rs485::off) {
-    table.error("rs485", "the serial device server turns its line round itself: expected \"off\"");
+    table.error("rs485",
+                "the serial device server switches the direction itself: expected \"off\"");
   }
   check_habits(table, line);
   report_misplaced(
@@ -180,7 +181,7 @@ std::uint32_t nearest_rate(std::uint32_t rate) {
 void check_rate(TomlTable& table, const bus::LineSettings& line) {
   const auto rate = static_cast<std::uint32_t>(line.baud);
   if (std::ranges::find(kUsualRates, rate) == kUsualRates.end()) {
-    table.warning("baud", "{} is no usual rate; did you mean {}?", rate, nearest_rate(rate));
+    table.warning("baud", "{} is not a usual rate; did you mean {}?", rate, nearest_rate(rate));
   }
 }
 
@@ -211,7 +212,7 @@ void check_path(TomlTable& table, const bus::LineSettings& line) {
       !device.empty() && !device.starts_with('/') && device.find("://") == std::string_view::npos;
   if (relative && !is_meant(device)) {
     table.warning("device",
-                  "{} is looked for from the folder that mbgated is started in; did you mean {}?",
+                  "{} is relative to the folder in which mbgated is started; did you mean {}?",
                   in_quotes(device), in_quotes(below_dev(device)));
   }
 }

@@ -46,7 +46,7 @@ void check_open(Draft& draft, TomlTable& table, const ListenerSettings& listener
   if (address && !is_loopback(*address) && !table.has("allow") &&
       stands_nowhere(draft.document.root(), "rule")) {
     table.error("address",
-                "other machines reach {}: expected 'allow' with those who may connect, such as "
+                "other machines can reach {}: expected 'allow' with the permitted clients, such as "
                 "allow = [\"192.168.10.0/24\"], or a [[rule]]",
                 in_quotes(listener.address));
   }
@@ -91,7 +91,7 @@ void read_transparent(Draft& draft, TomlTable& table, ListenerSettings& listener
   }
   if (is_tcp(draft, *listener.bus)) {
     table.error("broadcast", in_quotes(draft.settings.bus(*listener.bus).name) +
-                                 " is a Modbus TCP server: there are no broadcasts to it");
+                                 " is a Modbus TCP server, which gets no broadcasts");
   } else if (!listener.broadcast_mixed) {
     check_broadcast_mixed(draft, table, "broadcast", {*listener.bus});
   }
@@ -102,7 +102,7 @@ void check_port(Draft& draft, const ListenerSettings& listener) {
   const auto same = std::ranges::find_if(all, [&](const auto& it) { return clash(it, listener); });
   if (same != all.end()) {
     const auto first = static_cast<std::size_t>(same - all.begin());
-    draft.listeners.back().error("port", "{} of {} is taken already at {}", listener.port,
+    draft.listeners.back().error("port", "{} of {} is already used at {}", listener.port,
                                  listener.address, draft.listeners[first].place_of("port"));
   }
 }

@@ -167,7 +167,7 @@ void read_route_rules(const Draft& draft, TomlTable& table, Route& route, bool b
   assign(route.word_order, table.word<drive::WordOrder>("word_order", kWordOrders));
   if (route.word_order && !broadcast && !table.has("device")) {
     table.error("word_order",
-                "belongs to a route with 'device': nobody knows the values of an address");
+                "belongs to a route with 'device': the values of a plain address are not known");
   }
   read_windows(table, route, broadcast);
   read_functions(draft, table, route, broadcast);

@@ -89,7 +89,7 @@ void read_unicast_target(Draft& draft, TomlTable& table, const UnitRange& units,
   const bool to_device = table.has("device");
   for (const auto* key : {"broadcast", "broadcast_mixed", "broadcast_reply"}) {
     if (table.has(key)) {
-      table.error(key, units.first == 0 ? "a route that names a device is no broadcast"
+      table.error(key, units.first == 0 ? "a route with 'device' is not a broadcast"
                                         : "belongs to a route with unit = 0");
     }
   }
@@ -102,7 +102,7 @@ void read_unicast_target(Draft& draft, TomlTable& table, const UnitRange& units,
     read_bus(draft, table, units, route);
   } else {
     draft.document.error(table.position(),
-                         "[[route]]: it leads nowhere: give 'device', or 'bus' and 'address'");
+                         "[[route]]: has no target: expected 'device', or 'bus' and 'address'");
   }
 }
 
@@ -127,7 +127,7 @@ void read_broadcast_buses(Draft& draft, TomlTable& table, Route& route) {
     route.buses = {drive::BusId{static_cast<std::uint32_t>(*bus)}};
     if (is_tcp(draft, route.buses.front())) {
       table.error("bus", in_quotes(draft.settings.buses[*bus].name) +
-                             " is a Modbus TCP server: there are no broadcasts to it");
+                             " is a Modbus TCP server, which gets no broadcasts");
     }
   } else if (all) {
     route.buses = serial_buses(draft);
@@ -136,16 +136,16 @@ void read_broadcast_buses(Draft& draft, TomlTable& table, Route& route) {
     }
   } else if (!table.has("bus") && !table.has("broadcast")) {
     draft.document.error(table.position(),
-                         "[[route]]: it leads nowhere: give 'bus' or broadcast = \"all\", or "
-                         "'device' if unit 0 is to be no broadcast");
+                         "[[route]]: has no target: expected 'bus' or broadcast = \"all\", or "
+                         "'device' if unit 0 is not a broadcast");
   }
 }
 
 void read_broadcast_target(Draft& draft, TomlTable& table, Route& route) {
   if (table.has("address")) {
     table.error("address",
-                "a broadcast (unit 0) is for a whole bus: give 'bus' or broadcast = \"all\"; a "
-                "route that names a device is none");
+                "a broadcast (unit 0) is for a whole bus: expected 'bus' or broadcast = \"all\"; a "
+                "route with 'device' is not a broadcast");
   }
   assign(route.broadcast_reply, table.word<BroadcastReply>("broadcast_reply", kBroadcastReplies));
   read_broadcast_buses(draft, table, route);
@@ -222,14 +222,14 @@ void check_hold(TomlTable& table, const DeviceGuard& guard) {
 void check_occasions(TomlTable& table, const DeviceGuard& guard) {
   constexpr std::array kNeedWrites = {
       std::pair("failsafe_clients", "when these clients have gone"),
-      std::pair("failsafe_grace", "when a client has gone for so long"),
-      std::pair("quiet", "after so long a silence"),
+      std::pair("failsafe_grace", "when a client has gone for this time"),
+      std::pair("quiet", "after this silence"),
       std::pair("failsafe_on_exit", "when the gateway stops")};
   const auto* writes = table.value("failsafe");
   const bool has_writes = writes != nullptr && !is_empty_list(*writes);
   for (const auto& [key, occasion] : kNeedWrites) {
     if (table.has(key) && !has_writes) {
-      table.error(key, "needs 'failsafe': what is written {}", occasion);
+      table.error(key, "needs 'failsafe', the writes to send {}", occasion);
     }
   }
   if (has_writes && guard.quiet > gateway::Duration{0} && guard.quiet < guard.failsafe_grace) {

@@ -114,7 +114,7 @@ void read_who(Draft& draft, TomlTable& table, AccessRule& rule) {
   rule.roles = read_roles(table);
   rule.any_role = table.boolean("any_role").value_or(false);
   if (rule.any_role && !rule.roles.empty()) {
-    table.error("any_role", "either 'roles' says who is meant, or any_role = true, not both");
+    table.error("any_role", "expected either 'roles' or any_role = true, not both");
   }
 }
 
@@ -132,7 +132,8 @@ void read_action(TomlTable& table, AccessRule& rule) {
   table.require("action");
   assign(rule.permits, table.word<bool>("action", kRuleActions));
   if (!rule.permits && table.has("rate")) {
-    table.error("rate", "belongs to a rule with action = \"permit\": what is over it gets 06");
+    table.error("rate",
+                "belongs to a rule with action = \"permit\": requests over the rate get 06");
   }
 }
 
@@ -146,8 +147,7 @@ void read_groups(Draft& draft) {
     group.roles = read_roles(table);
     if (!table.has("addresses") && !table.has("roles")) {
       draft.document.error(table.position(),
-                           "[[group]]: nobody is in it: give 'addresses', "
-                           "'roles', or both");
+                           "[[group]]: has no members: expected 'addresses', 'roles', or both");
     }
     draft.groups.push_back(std::move(group));
   }

@@ -157,7 +157,7 @@ routing::ClientList read_clients(Draft& draft, TomlTable& table, std::string_vie
 void report_twice(std::vector<TomlTable>& tables, std::size_t first, std::string_view key,
                   std::string_view what) {
   auto& again = tables.back();
-  again.error(key, "{} is taken already at {}", in_quotes(what), tables[first].place_of(key));
+  again.error(key, "{} is already used at {}", in_quotes(what), tables[first].place_of(key));
 }
 
 }  // namespace mbgate::config

@@ -39,7 +39,7 @@ void read_condition(TomlTable& entry, bool or_not, Table table, IntegerRange val
     entry.document().error(entry.position(),
                            entry.title() + ": the key 'value' or 'not' is missing");
   } else if (not_key && entry.has("value")) {
-    entry.error("not", "either 'value' or 'not' says which writes are meant, not both");
+    entry.error("not", "expected either 'value' or 'not', not both");
   } else if (!or_not) {
     entry.require("value");
   }

@@ -80,7 +80,7 @@ void TomlDocument::join(TomlEntry& entry, TomlEntry added) {
   } else {
     const bool is_alike = value.data.index() == added.value.data.index();
     error(added.position,
-          fmt::format("{}: is said already at {}{}", entry.key, place(*this, entry.position),
+          fmt::format("{}: is already set at {}{}", entry.key, place(*this, entry.position),
                       is_alike ? ""
                                : fmt::format(", as {}; here it is {}", describe(value),
                                              describe(added.value))));

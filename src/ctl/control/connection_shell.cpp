@@ -187,14 +187,14 @@ std::string explain(const std::string& place, const error_code& error) {
   if (is_tcp(place)) {
     return error == boost::system::errc::connection_refused
                ? fmt::format(
-                     "nobody listens at {}: is mbgated running, and is this one of its [http] "
+                     "no program listens at {}: is mbgated running, and is this one of its [http] "
                      "listen?",
                      place)
                : fmt::format("{}: {}", place, error.message());
   }
   if (error == boost::system::errc::no_such_file_or_directory) {
     return fmt::format(
-        "there is no control socket at {}: is mbgated running (systemctl status mbgated)? Where "
+        "there is no control socket at {}: is mbgated running (systemctl status mbgated)? If "
         "[http] socket names another path, give it with --control",
         place);
   }
@@ -202,8 +202,8 @@ std::string explain(const std::string& place, const error_code& error) {
     return fmt::format("no permission for {}: run it as root, or as a member of its group", place);
   }
   if (error == boost::system::errc::connection_refused) {
-    return fmt::format("nobody listens at {} any more: mbgated has ended (journalctl -u mbgated)",
-                       place);
+    return fmt::format(
+        "no program listens at {} any more: mbgated has ended (journalctl -u mbgated)", place);
   }
   return fmt::format("{}: {}", place, error.message());
 }

@@ -32,7 +32,7 @@ Result<ControlAnswer, std::string> parsed_answer(
   boost::system::error_code error;
   const auto json = boost::json::parse(response.body(), error);
   if (error || !json.is_object()) {
-    return place + ": what answers there is not mbgated";
+    return place + ": the server there is not mbgated";
   }
   return ControlAnswer{response.result_int(), json.get_object()};
 }

@@ -20,7 +20,7 @@ namespace {
 std::string local_time(const std::string& at) {
   std::tm utc{};
   if (::strptime(at.c_str(), "%Y-%m-%dT%H:%M:%S", &utc) == nullptr) {
-    throw std::invalid_argument(fmt::format("\"{}\" is no time", at));
+    throw std::invalid_argument(fmt::format("\"{}\" is not a time", at));
   }
   return fmt::format("{:%H:%M:%S}", fmt::localtime(::timegm(&utc)));
 }

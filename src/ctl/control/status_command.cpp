@@ -40,7 +40,7 @@ StatusAnswer ask_status(const StatusCommand& command, const std::function<bool()
   try {
     return status_text(answer->json);
   } catch (const std::exception& exception) {
-    return Failure{kExitNotDone, fmt::format("mbgated is of another version than mbgatectl: {}",
+    return Failure{kExitNotDone, fmt::format("mbgated and mbgatectl have different versions: {}",
                                              exception.what())};
   }
 }
@@ -203,7 +203,7 @@ int run(const ClearCountersCommand& command, std::ostream& out, std::ostream& er
   if (answer->status != kControlOk) {
     return fail(errors, error_of(*answer));
   }
-  out << "all counters begin anew\n";
+  out << "all counters are reset\n";
   return kExitDone;
 }
 
@@ -220,7 +220,7 @@ int run(const EventsCommand& command, std::ostream& out, std::ostream& errors) {
   try {
     why = follow_control(command.socket, "/api/v1/events", interruption, print);
   } catch (const std::exception& exception) {
-    why = fmt::format("mbgated is of another version than mbgatectl: {}", exception.what());
+    why = fmt::format("mbgated and mbgatectl have different versions: {}", exception.what());
   }
   return why.empty() ? kExitNotDone
                      : report_failure({kExitNotDone, why}, command.json, out, errors);

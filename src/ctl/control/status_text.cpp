@@ -171,8 +171,8 @@ std::string status_text(const object& status) {
   const boost::json::array& devices = status.at("devices").as_array();
   if (!devices.empty()) {
     all += fmt::format(
-        "\n{}QUEUE, WIRE, DRIVE: half of the requests took so many ms or less there; P90, P99: "
-        "nine tenths and 99 of 100 of DRIVE\n",
+        "\n{}QUEUE, WIRE, DRIVE: median times in ms of answered requests; P90, P99: percentiles of "
+        "DRIVE\n",
         devices_text(devices));
   }
   const boost::json::array& clients = status.at("clients").as_array();
@@ -249,7 +249,7 @@ std::vector<std::string> page(std::string_view text, std::size_t rows, std::size
   if (lines.size() > rows) {
     const std::size_t hidden = lines.size() - rows + 1;
     const std::string note =
-        fmt::format("... {} lines more: the window is too small for them", hidden);
+        fmt::format("... {} more lines: the window is too small for them", hidden);
     lines.resize(rows);
     lines.back() = note.substr(0, columns);
   }

@@ -37,7 +37,7 @@ std::string failures_text(const Tally& tally) {
                                   share_text(tally.bad_crcs, tally.asked)));
   }
   if (tally.noise > 0) {
-    append_part(text, fmt::format("{} with bytes that are no frame{}", tally.noise,
+    append_part(text, fmt::format("{} with bytes that are not a frame{}", tally.noise,
                                   share_text(tally.noise, tally.asked)));
   }
   if (tally.others > 0) {
@@ -92,8 +92,8 @@ std::string garbled_advice(const LinePlan& plan, const std::string& scan, bool o
 std::string nothing_advice(const LinePlan& plan, const Tally& tally, bool others_answer) {
   const auto scan = fmt::format("mbgatectl scan --device {} finds those that answer", plan.device);
   if (tally.others > 0 && tally.damaged() == 0) {
-    return "a device that answers with another address, or so late that another request was sent "
-           "before; or another client on this line";
+    return "a device that answers with another address, or so late that another request had been "
+           "sent; or another client on this line";
   }
   if (tally.damaged() > 0) {
     return garbled_advice(plan, scan, others_answer);
@@ -158,9 +158,10 @@ void judge_overdue(Finding& finding, const PlannedUnit& unit, const Tally& tally
 /// What is wrong may be of the other client's making.
 void doubt(Finding& finding, const Tally& line) {
   finding.verdict = Judgement::unknown;
-  finding.advice = line.other_client
-                       ? "another client is on this line: take it off, and run this again"
-                       : "noise or another client is on this line: cure that, and run this again";
+  finding.advice =
+      line.other_client
+          ? "another client is on this line: disconnect it, and run this again"
+          : "noise or another client is on this line: remove the cause, and run this again";
 }
 
 Finding unit_finding(const LinePlan& plan, const UnitTrials& unit, bool others_answer,

@@ -80,10 +80,10 @@ std::optional<std::string> ask_and_report(Questions& questions, const LinePlan& 
 /// Why nobody is asked, if so.
 std::optional<std::string> reason_to_ask_nobody(const IdleLine& idle, const LinePlan& plan) {
   if (is_of_another_client(idle)) {
-    return "that would damage the frames of the other client";
+    return "requests would damage the frames of the other client";
   }
   if (may_be_of_another_client(idle)) {
-    return "what was heard may be another client, whose frames that would damage";
+    return "these bytes may be from another client, and requests would damage its frames";
   }
   return plan.nobody;
 }
@@ -109,7 +109,7 @@ std::optional<std::string> examine(const LinePlan& plan, const DoctorCommand& co
   }
   report(idle_finding(idle, line.mode));
   if (const auto reason = reason_to_ask_nobody(idle, line)) {
-    report({Judgement::unknown, "answers", "nobody was asked: " + *reason});
+    report({Judgement::unknown, "answers", "no device was asked: " + *reason});
     return std::nullopt;
   }
   return ask_and_report(questions, line, report);

@@ -72,17 +72,17 @@ Finding port_finding(const std::string& device, const PortFacts& facts) {
   Finding finding{Judgement::fault, "port", {}};
   if (facts.error != 0) {
     finding.seen = port_failure(device, facts.error, facts.names);
-    finding.advice = facts.names.empty() ? "is the adapter plugged in? dmesg says so"
-                                         : "name one of those that there are";
+    finding.advice =
+        facts.names.empty() ? "is the adapter plugged in? look at dmesg" : "name one of these";
   } else if (!facts.is_character_device) {
-    finding.seen = device + " is no serial port";
-    finding.advice = "name one, such as those of ls /dev/serial/by-id";
+    finding.seen = device + " is not a serial port";
+    finding.advice = "name a serial port, such as one in /dev/serial/by-id";
   } else {
     finding.verdict = Judgement::ok;
-    finding.seen = device + " is there";
+    finding.seen = device + " exists";
     if (!facts.is_lasting && !facts.leading.empty()) {
       finding.advice = fmt::format(
-          "where adapters are plugged in otherwise it may be another one; this name stays: {}",
+          "this name may change when adapters are plugged in differently; this one does not: {}",
           fmt::join(facts.leading, ", "));
     }
   }
@@ -104,12 +104,13 @@ Finding permission_finding(const std::string& device, const PermissionFacts& fac
   } else if (facts.is_member) {
     finding.seen += fmt::format("{}, though a member of group {}",
                                 std::generic_category().message(facts.error), facts.group);
-    finding.advice = "what else forbids it? getfacl " + device;
+    finding.advice = "look for what else forbids it: getfacl " + device;
   } else if (facts.becomes_member) {
-    finding.seen += fmt::format("a member of group {}, but not since the last login", facts.group);
+    finding.seen +=
+        fmt::format("a member of group {}, but not yet in this login session", facts.group);
     finding.advice = "log in again";
   } else {
-    finding.seen += fmt::format("no member of group {}, which owns it", facts.group);
+    finding.seen += fmt::format("not a member of group {}, which owns it", facts.group);
     finding.advice = fmt::format("sudo adduser {} {}, then log in again", facts.user, facts.group);
   }
   return finding;
@@ -119,8 +120,8 @@ Finding held_finding(const std::string& device, const std::vector<Holder>& holde
   Finding finding{Judgement::fault, "holder", "a gateway or another program holds " + device};
   if (holders.empty()) {
     finding.advice = fmt::format(
-        "sudo fuser -v {} names it; a gateway is stopped with sudo systemctl stop mbgated, or "
-        "asked with mbgatectl status",
+        "sudo fuser -v {} names it; stop a gateway with sudo systemctl stop mbgated, or ask it "
+        "with mbgatectl status",
         device);
     return finding;
   }
@@ -136,18 +137,17 @@ Finding free_finding(const std::string& device, const std::vector<Holder>& other
   if (others.empty()) {
     return {Judgement::ok, "holder", "no other program is seen to have it open"};
   }
-  return {
-      Judgement::fault, "holder",
-      fmt::format(
-          "{}{}{} open too; nothing was sent, because each takes bytes that are not meant for it",
-          holders_text(others), others.size() == 1 ? " has " : " have ", device),
-      "end it first"};
+  return {Judgement::fault, "holder",
+          fmt::format("{}{}{} open too; nothing was sent, because each program would take bytes "
+                      "from the others",
+                      holders_text(others), others.size() == 1 ? " has " : " have ", device),
+          "end it first"};
 }
 
 Finding latency_finding(const LatencyFacts& facts) {
   Finding finding{Judgement::unknown, "latency", {}};
   if (!facts.timer) {
-    finding.seen = facts.real_path + " is no FTDI adapter, or does not show its timer";
+    finding.seen = facts.real_path + " is not an FTDI adapter, or does not show its timer";
     return finding;
   }
   finding.verdict = Judgement::ok;
@@ -163,7 +163,7 @@ Finding latency_finding(const LatencyFacts& facts) {
     finding.seen += ", and low_latency = false leaves it so";
     finding.advice = "set low_latency = true; or " + how;
   } else {
-    finding.seen += "; so long the times below may be too long";
+    finding.seen += "; the times below may be too long by that";
     finding.advice = "mbgated itself asks for 1 ms (low_latency); for other programs " + how;
   }
   return finding;

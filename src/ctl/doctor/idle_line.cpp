@@ -35,7 +35,7 @@ Finding frames_finding(const IdleLine& line, const BusFrames& found, const std::
     finding.advice = kOneClient;
   } else if (found.frames.size() > 1) {
     finding.seen = fmt::format(
-        "{} of devices heard{}, but not what they answer: another client whose requests do not "
+        "{} of devices heard{}, but not the requests: another client whose requests do not "
         "reach this port, as on four wires{}",
         count, during, first);
     finding.advice = kOneClient;
@@ -56,11 +56,11 @@ std::string likeness(modbus::Bytes heard) {
   };
   // With a parity, each character of another parity reads as zero too (INPCK).
   if (all(0x00) || all(0xFF)) {
-    return "as of a line that nothing holds at rest (are A and B exchanged, is there a bias and a "
-           "termination, is a wire loose?), or of another client at another rate or parity";
+    return "looks like a line without an idle level (are A and B exchanged, is bias or termination "
+           "missing, is a wire loose?), or like another client at another rate or parity";
   }
-  return "as of noise (termination, bias, shield, motor cables beside it), or of another client at "
-         "another rate or parity";
+  return "looks like noise (termination, bias, shield, motor cables beside it), or like another "
+         "client at another rate or parity";
 }
 
 }  // namespace
@@ -76,10 +76,11 @@ Finding idle_finding(const IdleLine& line, const LineMode& mode) {
   }
   const modbus::Bytes heard(line.heard);
   Finding finding{Judgement::fault, "idle line", {}};
-  finding.seen = fmt::format("{} heard{} that {} no frame at {}: {}{}", counted(line.bytes, "byte"),
-                             during, line.bytes == 1 ? "is" : "are", mode_text(mode),
-                             modbus::hex(heard.first(std::min(heard.size(), kBytesShown))),
-                             line.bytes > kBytesShown ? " .." : "");
+  finding.seen =
+      fmt::format("{} heard{} that {} not a frame at {}: {}{}", counted(line.bytes, "byte"), during,
+                  line.bytes == 1 ? "is" : "are", mode_text(mode),
+                  modbus::hex(heard.first(std::min(heard.size(), kBytesShown))),
+                  line.bytes > kBytesShown ? " .." : "");
   if (line.bytes <= kFewBytes) {
     finding.verdict = Judgement::unknown;
     finding.advice = "an adapter may make them when it is opened: run this again";

@@ -32,13 +32,13 @@ Tally tally_of_line(const std::vector<UnitTrials>& units) {
 
 Finding full_echo_finding(const LinePlan& plan) {
   Finding finding{Judgement::ok, "echo",
-                  "the port hears what it sends: each request came back before its answer"};
+                  "the port receives what it sends: each request came back before its answer"};
   if (plan.echo == false) {
     finding.verdict = Judgement::fault;
     finding.seen += ", and the bus has echo = false";
     finding.advice = R"(set echo = true or "auto")";
   } else if (!plan.echo) {
-    finding.advice = R"(with echo = "auto" the gateway learns it, with echo = true it knows)";
+    finding.advice = R"(with echo = "auto" the gateway detects this, with echo = true it knows)";
   }
   return finding;
 }
@@ -49,18 +49,19 @@ Finding doubled_finding(const UnitTrials& unit, const Tally& tally, const Tally&
                               counted(tally.asked, "request"), unit_text(unit.unit))};
   if (line.other_client) {
     finding.seen += ", but another client asks on this line too";
-    finding.advice = "take the other client off, and run this again";
+    finding.advice = "disconnect the other client, and run this again";
   } else if (line.disturbed) {
-    finding.seen += ", but there is something on this line that nobody had asked for";
-    finding.advice = "cure that, and run this again";
+    finding.seen += ", but other bytes came on this line without a request";
+    finding.advice = "remove the cause, and run this again";
   } else if (tally.doubled < kEnoughDoubled) {
-    finding.advice = "run this again: one may be a late answer of before";
+    finding.advice = "run this again: one may be a late answer to an earlier request";
   } else {
     finding.verdict = Judgement::fault;
     finding.seen += ", and no request but ours was heard";
     finding.advice = fmt::format(
-        "two devices at address {}, or another client whose requests are not heard here, or a line "
-        "that hears what it sends: switch the device off, and see whether something still answers",
+        "two devices at address {}, or another client whose requests are not heard here, or an "
+        "adapter that receives what it sends: switch the device off, and see whether something "
+        "still answers",
         unit.unit.address);
   }
   return finding;
@@ -72,28 +73,26 @@ bool is_always_damaged(const Tally& tally) {
 
 /// Two answers that overlap damage each other, but so do others.
 Finding damaged_finding(const UnitTrials& unit, const Tally& tally) {
-  return {
-      Judgement::unknown, "addresses",
-      fmt::format(
-          "each answer of {} is damaged (up to {}), while others answer well: two devices whose "
-          "answers overlap would look so, and so would its own rate, parity, wires or transceiver",
-          unit_text(unit.unit), counted(tally.most_bytes, "byte")),
-      "switch it off: if something still answers, there is a second one"};
+  return {Judgement::unknown, "addresses",
+          fmt::format("each answer of {} is damaged (up to {}), while others answer well: two "
+                      "devices whose answers overlap look like this, and so does a device with a "
+                      "wrong rate or parity, bad wires or a bad transceiver",
+                      unit_text(unit.unit), counted(tally.most_bytes, "byte")),
+          "switch it off: if something still answers, there is a second one"};
 }
 
 Finding other_client_finding(const std::string& request) {
   return {
       Judgement::fault, "other client",
-      fmt::format("a request was heard that is not ours: {}; nobody was asked any more", request),
+      fmt::format("a request of another client was heard: {}; no more requests were sent", request),
       kOneClient};
 }
 
 Finding unasked_finding(const Unasked& unasked) {
-  return {
-      Judgement::fault, "between requests",
-      counted(unasked.bytes, "byte") + " came that nobody had asked for; nobody was asked any more",
-      "as of noise (termination, bias, shield, motor cables beside it), or of another client, "
-      "maybe at another rate or parity"};
+  return {Judgement::fault, "between requests",
+          counted(unasked.bytes, "byte") + " came without a request; no more requests were sent",
+          "looks like noise (termination, bias, shield, motor cables beside it), or like another "
+          "client, maybe at another rate or parity"};
 }
 
 }  // namespace
@@ -133,7 +132,7 @@ Finding echo_finding(const LinePlan& plan, const std::vector<UnitTrials>& units)
     finding.verdict = line.answered > 0 ? Judgement::fault : Judgement::unknown;
     finding.seen += ", but the bus has echo = true";
     finding.advice = line.answered > 0 ? R"(set echo = false or "auto")"
-                                       : "nothing was understood on this line at all";
+                                       : "no valid frame was received on this line";
   }
   return finding;
 }

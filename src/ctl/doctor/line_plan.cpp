@@ -38,8 +38,7 @@ Result<const BusSettings*, std::string> find_bus(const std::string& name,
   }
   const auto found = std::ranges::find(buses, name, &BusSettings::name);
   if (found == buses.end()) {
-    return fmt::format("there is no bus {} in the configuration; there is {}", name,
-                       names_of(buses));
+    return fmt::format("the configuration has no bus {}; it has {}", name, names_of(buses));
   }
   return *found;
 }
@@ -47,7 +46,7 @@ Result<const BusSettings*, std::string> find_bus(const std::string& name,
 /// Why the bus cannot be examined.
 std::optional<std::string> find_obstacle(const BusSettings& bus) {
   if (bus.line.remote) {
-    return fmt::format("bus {} is a TCP connection to {}, no serial port", bus.name,
+    return fmt::format("bus {} is a TCP connection to {}, not a serial port", bus.name,
                        bus.line.remote->host);
   }
   if (bus.line.framing != bus::Framing::rtu) {
@@ -97,8 +96,7 @@ LinePlan plan_of_port(const DoctorCommand& command) {
   }
   if (plan.units.empty()) {
     plan.nobody = fmt::format(
-        "it is not known who is there: name a unit with --address, or find one with mbgatectl scan "
-        "--device {}",
+        "no unit is known: name one with --address, or find one with mbgatectl scan --device {}",
         plan.device);
   }
   return plan;

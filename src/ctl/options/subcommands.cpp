@@ -77,8 +77,8 @@ Target target_of(const ServerWords& words) {
     const TlsIdentity& identity = words.identity;
     if (identity.certificate.empty() || identity.key.empty() || identity.authorities.empty()) {
       throw WrongUsage(
-          "--tls needs --certificate, --key and --authorities: the server is to know who asks, "
-          "and so are we who answers (mbgate-cert makes such files)");
+          "--tls needs --certificate, --key and --authorities: client and server identify each "
+          "other (mbgate-cert makes such files)");
     }
     target.tls = identity;
     target.port = kTlsPort;

@@ -115,7 +115,7 @@ void add_communication(std::string& text, const ProfileFile& file) {
 
 void add_opcodes(std::string& text, const ProfileFile& file) {
   if (const auto& opcodes = file.profile.position_opcodes) {
-    text += "\nOpcodes with a position, whose word order the device's opcode_order says\n" +
+    text += "\nOpcodes with a position (word order: opcode_order of the device)\n" +
             columns({{"opcode in", file.number(Table::holding_registers, opcodes->address)},
                      {"opcodes", joined(opcodes->opcodes, hex)},
                      {"position from",
@@ -163,7 +163,7 @@ std::string profile_text(const config::ProfileFile& file) {
   }
   add_ranges(text, file, "Write-only registers besides values", file.write_only);
   add_ranges(text, file, "Strings, never exchanged", file.strings);
-  add_ranges(text, file, "Parameter groups, no request goes over a border", file.groups);
+  add_ranges(text, file, "Parameter groups (no request crosses a border)", file.groups);
   return text;
 }
 

@@ -76,7 +76,7 @@ class SettingsLoader {
   [[nodiscard]] std::optional<gateway::Settings> load(const std::vector<gateway::ConfigFile>& files,
                                                       std::string& error) const {
     if (files.empty()) {
-      error = "expected the configuration of other settings before them";
+      error = "expected a configuration before the new settings";
       return std::nullopt;
     }
     std::vector<config::TextFile> read;

@@ -46,7 +46,7 @@ void set_timeout(modbus_t& context, const Target& target) {
 
 std::string misfit_text(modbus::ResponseFit fit) {
   switch (fit) {
-    case modbus::ResponseFit::wrong_function: return "it is of another function";
+    case modbus::ResponseFit::wrong_function: return "it has another function";
     case modbus::ResponseFit::wrong_length: return "its length is wrong";
     case modbus::ResponseFit::wrong_echo: return "it repeats another address, value or quantity";
     case modbus::ResponseFit::normal:
@@ -138,10 +138,10 @@ Result<modbus::Pdu, std::string> ModbusClient::ask(const modbus::Request& reques
       modbus::scan_mbap(modbus::Bytes(incoming).first(static_cast<std::size_t>(size)));
   const auto* frame = std::get_if<modbus::MbapFrame>(&scan);
   if (frame == nullptr) {
-    return misfit + "it is no Modbus TCP response";
+    return misfit + "it is not a Modbus TCP response";
   }
   if (frame->adu.header.unit != target_.unit) {
-    return fmt::format("{}it is of unit {}", misfit, frame->adu.header.unit);
+    return fmt::format("{}it is from unit {}", misfit, frame->adu.header.unit);
   }
   if (auto why = misfit_text(modbus::check_response(request, frame->adu.pdu.bytes()));
       !why.empty()) {

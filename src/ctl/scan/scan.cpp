@@ -126,7 +126,7 @@ Result<std::vector<std::uint8_t>, std::string> parse_units(std::string_view text
   while (true) {
     const auto comma = rest.find(',');
     if (!add_range(rest.substr(0, comma), units)) {
-      return fmt::format("\"{}\" are no units: 1 to 247, like 5 or 1-32 or 1-8,17", text);
+      return fmt::format("\"{}\" is not a list of units: 1 to 247, like 5 or 1-32 or 1-8,17", text);
     }
     if (comma == std::string_view::npos) {
       return std::vector<std::uint8_t>(units.begin(), units.end());

@@ -171,8 +171,8 @@ ScanResult scan_through_gateway(const ScanCommand& command, const Catalogue& cat
 int run(const ScanCommand& command, std::ostream& out, std::ostream& errors) {
   std::error_code ignored;
   if (command.config && std::filesystem::exists(*command.config, ignored)) {
-    return report_failure({kExitUsage, command.config->string() + " is there already"},
-                          command.json, out, errors);
+    return report_failure({kExitUsage, command.config->string() + " already exists"}, command.json,
+                          out, errors);
   }
   config::ProfileLibrary library(command.folder ? config::ProfileFolders{*command.folder}
                                                 : config::default_profile_folders());

@@ -17,12 +17,12 @@ constexpr std::array kRoundTimes{100ms,  200ms,  300ms,  500ms,   1000ms,
 constexpr unsigned kMargin = 3;
 
 std::string head(const std::string& where, const std::string& bus) {
-  return fmt::format(R"(# What mbgatectl scan found at {}. Look through every line before it
-# runs: a scan only reads, and what reading cannot tell is marked CHOOSE.
+  return fmt::format(R"(# What mbgatectl scan found at {}. Check every line before you use
+# it: a scan only reads, and what it cannot find out is marked CHOOSE.
 
 [[listen]]
 name = "plant"
-address = "127.0.0.1"          # CHOOSE: the address that the clients reach, and who may: `allow`
+address = "127.0.0.1"          # CHOOSE: the address that the clients use, and `allow`, the permitted clients
 port = 502
 
 [[bus]]
@@ -80,7 +80,7 @@ std::string profile_lines(const Identification& found) {
 
 std::string order_lines(const Identification& found) {
   if (word_order_unknown(found)) {
-    return "# CHOOSE as the drive is set: it does not say.\n"
+    return "# CHOOSE the setting of the drive, which cannot be read.\n"
            "# word_order = \"big\"  # or \"little\"\n";
   }
   if (!found.word_order) {

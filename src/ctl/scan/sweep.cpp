@@ -116,18 +116,18 @@ std::string at(const ModeFindings& found) { return fmt::format("at {} ", mode_te
 
 std::string frames_text(const ModeFindings& found) {
   return fmt::format(
-      "{}frames of {} came late or were not asked for: a longer --wait may help, or another master "
+      "{}frames of {} came late or without a request: a longer --wait may help, or another client "
       "is on the line",
       at(found), units_text(found.others));
 }
 
 std::string noise_text(const ModeFindings& found) {
   std::string text =
-      fmt::format("{}{} heard that {} no answer: ", at(found), counted(found.noise_bytes, "byte"),
-                  found.noise_bytes == 1 ? "is" : "are");
+      fmt::format("{}{} heard that {} not an answer: ", at(found),
+                  counted(found.noise_bytes, "byte"), found.noise_bytes == 1 ? "is" : "are");
   if (found.bad_crcs > 0) {
     text += fmt::format("{} with a bad CRC{}", counted(found.bad_crcs, "frame"),
-                        found.noise > 0 ? ", and " : ", as of two units with one address");
+                        found.noise > 0 ? ", and " : ", as if two units had one address");
   }
   if (found.noise > 0) {
     text += "no frame after " + counted(found.noise, "request");

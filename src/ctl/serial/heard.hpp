@@ -37,8 +37,8 @@ class SentRead {
 
   [[nodiscard]] std::uint8_t unit() const { return unit_; }
   [[nodiscard]] modbus::Bytes frame() const { return {frame_.data(), frame_.size()}; }
-  /// Where the request itself stands in what was received, if the port hears what it sends. Before
-  /// it there may be what a transceiver makes of turning round.
+  /// Where the request itself stands in what was received, if the port receives what it sends.
+  /// Before it there may be what a transceiver makes of turning round.
   [[nodiscard]] std::optional<std::size_t> echo_in(modbus::Bytes received) const;
   /// The answer in what was received so far, behind an echo if there is one. Around it there may be
   /// other bytes: a late answer of another unit, and what a transceiver makes of turning round.

@@ -41,7 +41,7 @@ bool wait_readable(int fd, steady_clock::time_point until) {
 }
 
 std::string gone_text(const std::string& device, int error) {
-  return device + ": the port is gone" +
+  return device + ": the port has disappeared" +
          (error == 0 ? std::string() : ": " + std::generic_category().message(error));
 }
 

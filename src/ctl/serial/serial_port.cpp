@@ -75,7 +75,7 @@ std::string port_failure(const std::string& device, int error,
                          const std::vector<std::string>& names) {
   switch (error) {
     case EBUSY: return held_text(device);
-    case ENOTTY: return device + ": this is no serial port";
+    case ENOTTY: return device + ": this is not a serial port";
     case EACCES:
       return fmt::format(
           "you may not open {}: your user must be in the group dialout (sudo adduser NAME dialout, "
@@ -191,7 +191,7 @@ Result<std::vector<LineMode>, std::string> parse_modes(std::string_view bauds,
   for (const auto word : listed(stop_bits)) {
     const auto bits = number_of(word, 2);
     if (!bits) {
-      return fmt::format("\"{}\" are no stop bits: 1, 2 or 1,2", stop_bits);
+      return fmt::format("\"{}\" is not a list of stop bits: 1, 2 or 1,2", stop_bits);
     }
     stops.push_back(*bits);
   }
@@ -199,7 +199,8 @@ Result<std::vector<LineMode>, std::string> parse_modes(std::string_view bauds,
   for (const auto word : listed(parities)) {
     const auto parity = parity_of(word);
     if (!parity) {
-      return fmt::format("\"{}\" are no parities: even, none, odd, with commas", parities);
+      return fmt::format("\"{}\" is not a list of parities: even, none, odd, with commas",
+                         parities);
     }
     std::ranges::copy(formats(*parity, stops), std::back_inserter(characters));
   }
@@ -207,8 +208,8 @@ Result<std::vector<LineMode>, std::string> parse_modes(std::string_view bauds,
   for (const auto word : listed(bauds)) {
     const auto baud = number_of(word, kFastestLine);
     if (!baud) {
-      return fmt::format("\"{}\" are no baud rates: 1 to 4000000, with commas, like 9600,19200",
-                         bauds);
+      return fmt::format(
+          "\"{}\" is not a list of baud rates: 1 to 4000000, with commas, like 9600,19200", bauds);
     }
     for (const auto& format : characters) {
       // What is listed twice is asked once.

@@ -102,15 +102,15 @@ std::string verify_text(const SSL& session, const std::string& name, const TlsId
     case X509_V_ERR_HOSTNAME_MISMATCH:
     case X509_V_ERR_IP_ADDRESS_MISMATCH:
       return fmt::format(
-          "{}: the server's certificate is not for {}; --server-name says what it is for, if this "
-          "server is meant",
+          "{}: the server's certificate is not for {}; if this is the right server, give "
+          "--server-name",
           text, name);
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
     case X509_V_ERR_SELF_SIGNED_CERT_IN_CHAIN:
     case X509_V_ERR_DEPTH_ZERO_SELF_SIGNED_CERT:
     case X509_V_ERR_CERT_SIGNATURE_FAILURE:
     case X509_V_ERR_UNABLE_TO_VERIFY_LEAF_SIGNATURE:
-      return fmt::format("{}: nobody in {} has signed the server's certificate", text,
+      return fmt::format("{}: no authority in {} has signed the server's certificate", text,
                          identity.authorities.string());
     default: return text;
   }
@@ -184,7 +184,7 @@ std::string failure_text(const sys::TlsStream& stream, sys::TlsStream::Step step
     default: break;
   }
   if (reason > kOwnAlerts) {
-    return fmt::format("the server ended it with an alert: {}",
+    return fmt::format("the server ended the handshake with an alert: {}",
                        SSL_alert_desc_string_long(reason - kOwnAlerts));
   }
   return text;

@@ -128,7 +128,7 @@ class HeardPackets {
     std::size_t begin = 0;
     if (frame_.sent && is_echo()) {
       begin = frame_.sent->raw.bytes.size();
-      add_bytes(0, begin, "the same as was sent: the line hears itself");
+      add_bytes(0, begin, "the same bytes as sent: the adapter receives what it sends");
     }
     if (const auto found = taken_from(begin)) {
       add_others(begin, *found);

@@ -50,9 +50,11 @@ void append_block(ByteString& blocks, const ByteString& block) {
 
 ByteString TraceCapture::start() {
   ByteString blocks = section_block("mbgatectl trace");
-  append_block(blocks, interface_block(LinkType::raw_ip, "clients",
-                                       "what clients and gateway said; the gateway's address and "
-                                       "all ports are made up"));
+  append_block(
+      blocks,
+      interface_block(
+          LinkType::raw_ip, "clients",
+          "messages between clients and the gateway; its address and all ports are made up"));
   return blocks;
 }
 
@@ -87,7 +89,7 @@ void TraceCapture::add_request(const TracedRequest& asked, const std::string& co
                                std::vector<Placed>& packets) {
   const auto address = ip_octets(asked.client);
   if (!address) {
-    throw std::invalid_argument(fmt::format("\"{}\" is no IP address", asked.client));
+    throw std::invalid_argument(fmt::format("\"{}\" is not an IP address", asked.client));
   }
   if (conversations_.size() >= kMostConversations) {
     conversations_.clear();
@@ -153,7 +155,7 @@ std::uint32_t TraceCapture::interface_of(const std::string& bus, ByteString& blo
   const auto number = static_cast<std::uint32_t>(kClients + 1 + buses_.size());
   const auto [it, is_new] = buses_.try_emplace(bus, number);
   if (is_new) {
-    append_block(blocks, interface_block(LinkType::upper_pdu, bus, "what went over this bus"));
+    append_block(blocks, interface_block(LinkType::upper_pdu, bus, "the frames on this bus"));
   }
   return it->second;
 }

@@ -51,7 +51,7 @@ int run(const TraceCommand& command, std::ostream& out, std::ostream& errors) {
               ? follow_control(command.socket, trace_target(command.filter), interruption, take)
               : std::string();
   } catch (const std::exception& exception) {
-    why = std::string("mbgated is of another version than mbgatectl: ") + exception.what();
+    why = std::string("mbgated and mbgatectl have different versions: ") + exception.what();
   }
   if (!why.empty()) {
     return fail(why);

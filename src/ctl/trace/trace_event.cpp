@@ -46,7 +46,7 @@ TraceInstant instant_in(const object& json, std::string_view key) {
   unsigned microseconds = 0;
   if (rest == nullptr || end - rest != kFraction + 1 || *rest != '.' || *(end - 1) != 'Z' ||
       std::from_chars(rest + 1, end, microseconds).ptr != end - 1) {
-    throw std::invalid_argument(fmt::format("\"{}\" is no time with microseconds", text));
+    throw std::invalid_argument(fmt::format("\"{}\" is not a time with microseconds", text));
   }
   return TraceInstant(std::chrono::seconds(::timegm(&utc)) +
                       std::chrono::microseconds(microseconds));
@@ -60,7 +60,7 @@ ByteString bytes_from_hex(std::string_view text) {
     std::uint8_t byte = 0;
     if (std::from_chars(text.data() + at, end, byte, 16).ptr != text.data() + at + 2 ||
         (at + 2 < text.size() && text[at + 2] != ' ')) {
-      throw std::invalid_argument(fmt::format("\"{}\" are no bytes", text));
+      throw std::invalid_argument(fmt::format("\"{}\" is not a list of bytes", text));
     }
     bytes.push_back(byte);
   }

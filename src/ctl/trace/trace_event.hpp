@@ -36,7 +36,7 @@ struct TracedFrame {
   std::string device;  ///< empty: the configuration has none at this address
   std::uint8_t address = 0;
   TracedFraming framing = TracedFraming::rtu;
-  std::optional<TracedAdu> sent;  ///< nothing: heard without being asked
+  std::optional<TracedAdu> sent;  ///< nothing: heard without a request
   std::uint64_t tries = 0;        ///< this one included
   std::uint64_t shared_by = 0;    ///< requests that this frame answers
   std::vector<TracedBytes> heard;

@@ -14,7 +14,7 @@ namespace mbgate::ctl {
 namespace {
 
 constexpr std::string_view kFailed = "FAILED: ";
-constexpr const char* kNoAnswer = "no answer, the client has gone or gets none";
+constexpr const char* kNoAnswer = "no answer (the client has disconnected or gets none)";
 
 /// "22:10:00.123456"
 std::string clock_text(TraceInstant instant) {
@@ -92,7 +92,7 @@ std::string sent_note(const TracedFrame& frame, const std::optional<TracedReques
     notes.push_back(fmt::format("shared by {} requests", frame.shared_by));
   }
   if (frame.outcome == TracedOutcome::sent) {
-    notes.emplace_back("nobody answers that");
+    notes.emplace_back("no device answers this");
   }
   return notes.empty() ? "" : fmt::format("  ({})", fmt::join(notes, "; "));
 }
@@ -168,11 +168,11 @@ std::string head_line(const TraceEvent& event) {
   }
   const TracedFrame& frame = event.wire.front();
   if (frame.sent) {
-    return fmt::format("{}{} for no client's request that is traced\n",
+    return fmt::format("{}{} without a traced request of a client\n",
                        clock_text(frame.sent->raw.at), failure_of(frame).empty() ? "" : " FAILED");
   }
   return clock_text(frame.heard.empty() ? frame.ended_at : frame.heard.front().at) +
-         " heard without being asked\n";
+         " heard without a request\n";
 }
 
 }  // namespace

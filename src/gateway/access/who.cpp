@@ -88,15 +88,16 @@ WhoAnswer unplanned(const SettingsSnapshot& settings, const routing::ResolvedRou
                     ExceptionCode code, std::uint8_t unit, const modbus::Pdu& pdu) {
   const auto request = modbus::Request::parse(pdu);
   if (!request) {
-    return denied("the standard: such a request is not well formed", code);
+    return denied("the standard: the request is malformed", code);
   }
   const auto& windows = resolved.route.windows;
   if (!windows.empty() && !routing::through_windows(windows, *request)) {
     return denied(fmt::format("the windows (registers) of the route of unit {}", unit), code,
                   key_of_route(settings, resolved.route, KeyName::windows));
   }
-  return denied(resolved.device == nullptr ? "the devices on the bus"
-                                           : "what is known of device " + resolved.device->name,
+  return denied(resolved.device == nullptr
+                    ? "the devices on the bus"
+                    : "the limits and values of device " + resolved.device->name,
                 code);
 }
 
@@ -158,7 +159,7 @@ WhoAnswer who_may(const SettingsSnapshot& settings, const ClientInfo& client, st
   if (resolved == nullptr) {
     const RuleVerdict verdict = verdict_on_unplanned(settings, client, unit, request);
     return verdict.permitted
-               ? denied(fmt::format("the routes: unit {} leads nowhere on this listener", unit),
+               ? denied(fmt::format("the routes: unit {} has no route on this listener", unit),
                         ExceptionCode::gateway_path_unavailable)
                : by_verdict(verdict, client);
   }

@@ -248,7 +248,7 @@ Result<bool, std::string> HeadReader::read(std::string_view line) {
   if (!begun_) {
     begun_ = line == "mbgate recording 1";
     return begun_ ? Result<bool, std::string>(false)
-                  : std::string("expected \"mbgate recording 1\": this is no recording");
+                  : std::string("expected \"mbgate recording 1\": this is not a recording");
   }
   if (config_.read(line)) {
     return false;

@@ -40,7 +40,7 @@ Diagnosis of_silent_device(const StatusReport& report, const DeviceStatus& devic
     return {Rank::drive_lost, subject_of(report, device), "the server does not reach it",
             fmt::format("{}; the server says {}{}", evidence,
                         modbus::exception_text(*device.unreached), others_answer(report, device)),
-            "its power, its cable; its unit identifier, and what the server knows of it"};
+            "its power, its cable; its unit identifier, and its settings in the server"};
   }
   if (!device.has_answered) {
     return {Rank::drive_lost, subject_of(report, device), "it has never answered",
@@ -112,13 +112,13 @@ void diagnose_tried(const StatusReport& report, const Devices& tried, const Toge
   found.push_back(std::move(one));
 }
 
-// On a line of which it is not known that it hears what it sends, the answer to a write comes
-// behind its echo, which looks the same.
+// As long as the gateway does not know that the adapter receives what it sends, the answer to a
+// write comes behind its echo, which looks the same.
 Diagnosis of_second_answer(const StatusReport& report, const DeviceStatus& device) {
   return {Rank::bad_answers, subject_of(report, device), "two answers came to one request",
           fmt::format("the last time {} ago", passed_text(*device.last_second_answer)),
           fmt::format("two devices at address {}; another client on this line that asks it; "
-                      "whether the line hears what it sends (`echo`)",
+                      "whether the adapter receives what it sends (`echo`)",
                       device.address)};
 }
 
@@ -128,11 +128,12 @@ Diagnosis of_other_order(const StatusReport& report, const DeviceStatus& device)
   for (const std::uint16_t value : other.expected) {
     expected += (expected.empty() ? "" : " or ") + std::to_string(value);
   }
-  return {Rank::bad_answers, subject_of(report, device), "its word order is not the configured one",
-          fmt::format(
-              "its holding register {} held {} when it was last read; {} is what was configured",
-              other.address, other.holds, expected),
-          "`word_order`, or the setting of the drive; until then no values are written to it"};
+  return {
+      Rank::bad_answers, subject_of(report, device), "its word order is not the configured one",
+      fmt::format(
+          "its holding register {} held {} when it was last read; the configured word order has {}",
+          other.address, other.holds, expected),
+      "`word_order`, or the setting of the drive; until then no values are written to it"};
 }
 
 Diagnosis of_failed_stop(const StatusReport& report, const DeviceStatus& device) {

@@ -37,8 +37,8 @@ std::string causes_of_no_answer(const BusStatus& bus) {
   }
   return fmt::format(
       "power; the cable and its plug; A and B; whether `device` is the port of this line; unit "
-      "addresses; the drives' setting, here {}; RTU or ASCII (`mode`); what switches the direction "
-      "(`rs485`)",
+      "addresses; the drives' setting, here {}; RTU or ASCII (`mode`); how the direction is "
+      "switched (`rs485`)",
       mode_text(bus));
 }
 
@@ -47,9 +47,9 @@ Diagnosis of_dead_bus(const BusStatus& bus, const Together& all) {
       fmt::format("{} in a row to {} unanswered", counted(all.unanswered, "transmission"),
                   counted(all.silent, "device"));
   if (all.unreached == all.silent) {
-    return {Rank::nothing_works, subject_of(bus), "the server answers, but reaches none of them",
+    return {Rank::nothing_works, subject_of(bus), "the server answers, but reaches no device",
             std::move(evidence),
-            "what is behind the server: power, wires, settings; unit identifiers"};
+            "the devices behind the server: power, wires, settings; unit identifiers"};
   }
   if (bus.silence >= all.silent_for) {
     evidence += ", and nothing else heard";
@@ -57,11 +57,11 @@ Diagnosis of_dead_bus(const BusStatus& bus, const Together& all) {
   if (all.had_answers) {
     return {Rank::nothing_works, subject_of(bus), "nothing answers any more", std::move(evidence),
             bus.is_serial ? "the plug and the cable of the line; the power of the drives"
-                          : "the server and what is behind it"};
+                          : "the server and the devices behind it"};
   }
   std::string look_at = causes_of_no_answer(bus);
   if (does_echo_differ(bus.counters)) {
-    look_at += "; `echo`: what came back is not what was sent";
+    look_at += "; `echo`: the received bytes differ from the sent ones";
   }
   return {Rank::nothing_works, subject_of(bus), "nothing answers", std::move(evidence),
           std::move(look_at)};
@@ -74,11 +74,11 @@ Diagnosis of_foreign_frames(const BusStatus& bus) {
     evidence += fmt::format(", {} counted", bus.counters.foreign_frames);
   }
   if (is_lately(bus.last_foreign_request)) {
-    return {Rank::warning, subject_of(bus), "requests are heard that nobody here sent", evidence,
+    return {Rank::warning, subject_of(bus), "requests of another client are heard", evidence,
             "another client on this line (a second gateway, PLC or tool)"};
   }
-  return {Rank::warning, subject_of(bus), "frames are heard that nobody here sent or asked for",
-          evidence,
+  return {Rank::warning, subject_of(bus),
+          "frames are heard that the gateway neither sent nor asked for", evidence,
           "another client on this line (a second gateway, PLC or tool), or two devices at one "
           "address"};
 }
@@ -99,14 +99,14 @@ void diagnose_load(const BusStatus& bus, const Together& all, std::vector<Diagno
   }
   const std::string busy = fmt::format("busy {} % of the time; ", bus.load);
   if (is_flooded(bus)) {
-    found.push_back(
-        {Rank::warning, "client " + bus.most_waiting->address,
-         fmt::format("it asks for more than {} can carry", subject_of(bus)),
-         fmt::format("{} is {}{} of the {} that wait are its, the oldest for {}", subject_of(bus),
-                     busy, bus.most_waiting->requests, counted(bus.most_waiting->of, "request"),
-                     milliseconds_text(bus.most_waiting->longest)),
-         "how often it asks, and on how many connections; `pipeline`; `cache` "
-         "for what it reads"});
+    found.push_back({Rank::warning, "client " + bus.most_waiting->address,
+                     fmt::format("it asks for more than {} can carry", subject_of(bus)),
+                     fmt::format("{} is {}{} of the {} that wait are from it, the oldest for {}",
+                                 subject_of(bus), busy, bus.most_waiting->requests,
+                                 counted(bus.most_waiting->of, "request"),
+                                 milliseconds_text(bus.most_waiting->longest)),
+                     "how often it asks, and on how many connections; `pipeline`; `cache` "
+                     "for what it reads"});
   } else if (are_long * 2 >= requests) {
     found.push_back({Rank::warning, subject_of(bus), "it is asked for more than it can carry",
                      fmt::format("{}{} of the last {} waited {} or longer", busy, are_long,
@@ -136,9 +136,9 @@ void diagnose_bus(const BusStatus& bus, const Together& all, std::vector<Diagnos
   }
   if (bus.echo == bus::NoticedEcho::denied) {
     found.push_back({all.is_dead() ? Rank::nothing_works : Rank::bad_answers, subject_of(bus),
-                     "it hears what it sends, and `echo = false` denies it", kHeardItself,
-                     "say `echo = true`: else answers are taken for those to another client, and "
-                     "the echo of a write for its answer"});
+                     "the adapter receives what it sends, but `echo = false` is set", kHeardItself,
+                     "set `echo = true`: otherwise answers are taken for those to another client, "
+                     "and the echo of a write for its answer"});
   }
   if (is_lately(bus.last_foreign)) {
     found.push_back(of_foreign_frames(bus));
@@ -148,11 +148,11 @@ void diagnose_bus(const BusStatus& bus, const Together& all, std::vector<Diagnos
   }
   diagnose_load(bus, all, found);
   if (bus.echo == bus::NoticedEcho::found) {
-    found.push_back({Rank::warning, subject_of(bus),
-                     "it hears what it sends, and `echo` does not say so", kHeardItself,
-                     "say `echo = true`, or let the adapter not receive while it sends; until the "
-                     "echo is found again after each opening, the answer to a write may be its "
-                     "echo"});
+    found.push_back(
+        {Rank::warning, subject_of(bus),
+         "the adapter receives what it sends, and `echo` does not say so", kHeardItself,
+         "set `echo = true`, or switch the receiver off while the adapter sends; after each "
+         "opening, until the echo is found again, the answer to a write may be its echo"});
   }
 }
 

@@ -100,8 +100,8 @@ struct DeviceStatus {
   Duration least_quarantine{0};          ///< the same as it is configured, before late answers
   std::optional<Duration> next_probe;    ///< offline: in how long it is asked again at the earliest
   Duration response_timeout{0};
-  /// How long ago two answers came to one request. Where the line hears what it sends, those do not
-  /// count that may be an echo.
+  /// How long ago two answers came to one request. Where the adapter receives what it sends, those
+  /// do not count that may be an echo.
   std::optional<Duration> last_second_answer;
   std::optional<OtherWordOrder> other_order;
   /// The exception by which a server said last that it did not reach the device.

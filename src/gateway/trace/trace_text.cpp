@@ -56,10 +56,10 @@ std::string bad_rtu(Bytes bytes) {
   }
   const std::size_t whole = length.bytes + modbus::kRtuOverhead;
   if (bytes.size() < whole) {
-    return fmt::format("{} of {}: the frame is not whole", size, whole);
+    return fmt::format("{} of {}: the frame is incomplete", size, whole);
   }
   if (bytes.size() > whole) {
-    return size + ", not one whole frame";
+    return size + ", not exactly one frame";
   }
   const std::uint16_t crc = modbus::crc16(body);
   const std::uint8_t right[] = {static_cast<std::uint8_t>(crc),
@@ -77,7 +77,7 @@ std::string ascii_text(Bytes bytes, Direction direction) {
   if (const auto adu = modbus::decode_ascii(bytes)) {
     return body_text(*adu, direction);
   }
-  return modbus::ascii_content(bytes) ? "its LRC is wrong" : "no whole ASCII frame";
+  return modbus::ascii_content(bytes) ? "its LRC is wrong" : "no complete ASCII frame";
 }
 
 /// Is the frame of the response that was taken among these bytes?
@@ -120,12 +120,12 @@ const char* to_text(bus::Ending ending, bool was_sent) {
     case bus::Ending::answered: return "answered";
     case bus::Ending::transmitted: return "transmitted";
     case bus::Ending::no_answer: return "no valid answer came";
-    case bus::Ending::expired: return "its deadline was over";
+    case bus::Ending::expired: return "its deadline had passed";
     case bus::Ending::mismatched: return "the drive's word order is not the configured one";
     case bus::Ending::closed: return "the line is not open";
     case bus::Ending::offline: return "the device is offline";
     case bus::Ending::cancelled:
-      return was_sent ? "given up before it was done" : "cancelled before it was sent";
+      return was_sent ? "cancelled before it was done" : "cancelled before it was sent";
   }
   return "";
 }
@@ -145,7 +145,7 @@ std::string heard_text(const WireTrace& wire) {
   const bool has_same = !wire.frame.empty() && rest.size() >= wire.frame.size() &&
                         std::ranges::equal(rest.first(wire.frame.size()), wire.frame);
   if (has_same && (!wire.response || has_response(wire, rest.subspan(wire.frame.size())))) {
-    text = "the same as was sent, then ";
+    text = "the same bytes as sent, then ";
     rest = rest.subspan(wire.frame.size());
   }
   if (wire.response) {

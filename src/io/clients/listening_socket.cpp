@@ -99,7 +99,7 @@ Result<tcp::acceptor, ListenFailure> bind_listener(boost::asio::io_context& cont
   error_code error;
   const auto address = boost::asio::ip::make_address(listener.address, error);
   if (error) {
-    return refusal(listener, listener.address, "this is no IPv4 or IPv6 address");
+    return refusal(listener, listener.address, "this is not an IPv4 or IPv6 address");
   }
   const tcp::endpoint endpoint(address, listener.port);
   tcp::acceptor acceptor(context);
@@ -140,7 +140,7 @@ Result<tcp::acceptor, ListenFailure> adopt_listener(boost::asio::io_context& con
                                                     sys::UniqueFd socket) {
   const auto protocol = protocol_of(socket.get());
   if (!protocol) {
-    return refusal(listener, "the socket from systemd", "it is no listening TCP socket");
+    return refusal(listener, "the socket from systemd", "it is not a listening TCP socket");
   }
   tcp::acceptor acceptor(context);
   error_code error;
@@ -211,8 +211,8 @@ std::vector<std::string> open_listeners(const gateway::Settings& settings,
     const auto reached = sockets.reached.find(listener.name);
     if (reached != sockets.reached.end() && settings.is_open_to_all(listener)) {
       found.push_back(fmt::format(
-          "listener \"{}\": other machines reach the socket {} from systemd: expected 'allow' with "
-          "those who may connect, such as allow = [\"192.168.10.0/24\"], or a [[rule]]",
+          "listener \"{}\": other machines can reach the socket {} from systemd: expected 'allow' "
+          "with the permitted clients, such as allow = [\"192.168.10.0/24\"], or a [[rule]]",
           listener.name, reached->second));
     }
   }

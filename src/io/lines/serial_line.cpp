@@ -69,7 +69,7 @@ void SerialLine::open() {
       });
   if (!started) {
     boost::asio::post(context_.io, [this, generation = generation_] {
-      finish_open(std::string("cannot open " + settings_.device + ": no thread to do it on"),
+      finish_open(std::string("cannot open " + settings_.device + ": no thread is available"),
                   settings_, generation);
     });
   }
@@ -113,7 +113,7 @@ std::optional<std::string> SerialLine::transmit(modbus::Bytes frame) {
   }
   std::optional<std::string> error;
   if (transmitting_) {
-    error = settings_.device + ": the frame before is still not transmitted";
+    error = settings_.device + ": the previous frame is still not transmitted";
   } else if (settings_.rs485 == bus::Rs485::rts && !set_rts(descriptor_.native_handle(), true)) {
     error = error_text("raise RTS", errno);
   } else {

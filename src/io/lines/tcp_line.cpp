@@ -87,7 +87,7 @@ boost::asio::awaitable<void> TcpLine::connect(HostAddresses addresses, unsigned 
   for (const auto& address : addresses) {
     const std::string end = fmt::format("{} {}", address.address().to_string(), address.port());
     if (const auto other = context_.ends->other(this, end)) {
-      failures += (failures.empty() ? "" : "; ") + end + " is what bus " + *other + " has open";
+      failures += (failures.empty() ? "" : "; ") + end + " is already open as bus " + *other;
       continue;
     }
     context_.ends->note(this, end, context_.events.name_of(bus_));
@@ -138,7 +138,7 @@ std::optional<std::string> TcpLine::transmit(modbus::Bytes frame) {
   }
   if (!rest_.empty()) {
     close();
-    return name_ + ": the far end has not taken the frame before";
+    return name_ + ": the far end has not accepted the previous frame";
   }
   const auto count = sys::send_now(socket_.native_handle(), frame);
   if (!count && has_far_end_closed(errno)) {

@@ -50,7 +50,7 @@ void TcpLine::resolve_name() {
   if (!resolving_) {
     boost::asio::post(context_.io, [this, generation = generation_] {
       if (generation == generation_) {
-        fail_to_open("no thread to look the name up on");
+        fail_to_open("no thread is available to look up the name");
       }
     });
   }
@@ -85,7 +85,7 @@ boost::asio::awaitable<std::optional<std::string>> TcpLine::secure(unsigned gene
   sys::UniqueFd server(socket_.release(error));
   uplink_ = TlsUplink::start(std::move(server), *tls_);
   if (!uplink_) {
-    co_return "no thread for TLS";
+    co_return "no thread is available for TLS";
   }
   sys::UniqueFd line_end = uplink_->take_line_end();
   socket_.assign(tcp::v4(), line_end.get(), error);
@@ -109,7 +109,7 @@ boost::asio::awaitable<std::optional<std::string>> TcpLine::secure(unsigned gene
     co_return std::string();
   }
   const std::string why = uplink_->why();
-  co_return why.empty() ? "the TLS handshake did not come to its end" : why;
+  co_return why.empty() ? "the TLS handshake was not completed" : why;
 }
 
 }  // namespace mbgate::io

@@ -90,7 +90,7 @@ std::string open_failure(const std::string& device, int error) {
       fmt::format("cannot open {}: {}", device, std::generic_category().message(error));
   switch (error) {
     case EBUSY: return device + ": another program uses it";
-    case ENOTTY: return device + ": this is no serial line";
+    case ENOTTY: return device + ": this is not a serial line";
     case EACCES:
       return fmt::format(
           "{}; the user that mbgated runs as must be in the group of this port, mostly dialout "

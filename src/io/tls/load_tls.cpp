@@ -22,15 +22,15 @@ void add_warnings(std::vector<std::string>& warnings, const std::string& name,
                   const TlsDates& dates, system_clock::time_point now) {
   const std::string start = fmt::format("[[tls]] {}: the certificate ", name);
   if (dates.certificate_ends <= now) {
-    warnings.push_back(fmt::format("{}has expired at {}: the other end refuses it", start,
+    warnings.push_back(fmt::format("{}expired at {}: the other end refuses it", start,
                                    date_text(dates.certificate_ends)));
   } else if (dates.certificate_ends <= now + kAhead) {
     warnings.push_back(fmt::format("{}expires at {}", start, date_text(dates.certificate_ends)));
   }
   if (dates.crl_ends && *dates.crl_ends <= now) {
     warnings.push_back(
-        fmt::format("[[tls]] {}: the list of revoked certificates has expired at {}: it still "
-                    "counts, but what was revoked since is not known",
+        fmt::format("[[tls]] {}: the list of revoked certificates expired at {}: it is still used, "
+                    "but lacks later revocations",
                     name, date_text(*dates.crl_ends)));
   }
 }

@@ -74,8 +74,9 @@ bool TlsDoor::make_room(OfListener& listener, const routing::ClientAddress* clie
   if (oldest == listener.under_way.end()) {
     return false;
   }
-  front_->let_go(oldest->first,
-                 fmt::format("no ClientHello had come when another client did ({})", limit));
+  front_->let_go(
+      oldest->first,
+      fmt::format("closed for another client, because no ClientHello had come ({})", limit));
   note_ended(listener, oldest->first);
   return true;
 }

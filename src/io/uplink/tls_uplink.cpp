@@ -74,7 +74,7 @@ Result<sys::SslHandle, std::string> make_peer(const bus::TlsPeer& peer) {
     return sys::take_openssl_error();
   }
   if (!sys::expect_name(*ssl, peer.server_name)) {
-    return fmt::format("server_name: no certificate can be for such a name ({})",
+    return fmt::format("server_name: no certificate can contain such a name ({})",
                        sys::take_openssl_error());
   }
   return ssl;

@@ -27,7 +27,7 @@ std::optional<std::string> clear_place(const fs::path& link, const std::string& 
   const bool replaceable = fs::is_symlink(found) &&
                            (fs::read_symlink(link, error) == target || !fs::exists(link, error));
   if (!replaceable) {
-    return fmt::format("link {} exists already and is in use or something else; remove it",
+    return fmt::format("link {} already exists, and is in use or not a link; remove it",
                        link.string());
   }
   if (!fs::remove(link, error)) {

@@ -45,7 +45,7 @@ void check_unique(TomlTable& table, const std::vector<Named>& earlier, const std
   const bool taken = std::ranges::any_of(
       earlier, [&name](const Named& other) { return !name.empty() && other.name == name; });
   if (taken) {
-    table.error("name", "\"{}\" is taken already", name);
+    table.error("name", "\"{}\" is already used", name);
   }
 }
 
@@ -73,7 +73,7 @@ void read_wire(TomlTable& table, WireSettings& wire) {
   config::assign(wire.echo, table.boolean("echo"));
   config::assign(wire.echo_delay, table.duration("echo_delay", {0s, 1s}));
   if (table.has("echo_delay") && !wire.echo) {
-    table.error("echo_delay", "only a bus with echo = true has one");
+    table.error("echo_delay", "belongs to a bus with echo = true");
   }
   wire.clocking = Clocking::real_time;
 }
@@ -99,7 +99,7 @@ void read_model(TomlTable& table, DeviceSettings& device) {
   config::assign(device.series, table.word<MoonsSeries>("series", kSeries));
   for (const std::string_view key : {"word_order", "series"}) {
     if (model && *model != ModelKind::moons && table.has(key)) {
-      table.error(key, "only a \"moons\" drive has one to be set");
+      table.error(key, "belongs to a \"moons\" drive");
     }
   }
 }
@@ -137,7 +137,7 @@ DeviceSettings read_device(TomlTable& table, BusMode mode) {
   read_times(table, device);
   read_faults(table, device.faults);
   if (mode == BusMode::tcp && device.faults.bad_crc) {
-    table.error("faults", "what a \"tcp\" bus carries has no CRC to be bad");
+    table.error("faults", "the frames of a \"tcp\" bus have no CRC");
   }
   return device;
 }
@@ -151,7 +151,7 @@ void read_link(TomlTable& table, const std::vector<BusSettings>& buses, BusSetti
   const bool taken = std::ranges::any_of(
       buses, [&bus](const BusSettings& other) { return other.link == bus.link; });
   if (taken && !bus.link.empty()) {
-    table.error("link", "\"{}\" is taken already", bus.link.string());
+    table.error("link", "\"{}\" is already used", bus.link.string());
   }
 }
 
@@ -169,7 +169,7 @@ void read_listen(TomlTable& table, const std::vector<BusSettings>& buses, BusSet
   const bool taken = std::ranges::any_of(
       buses, [&bus](const BusSettings& other) { return other.listen == bus.listen; });
   if (taken && bus.listen->port != 0) {
-    table.error("listen", "\"{}\" is taken already", bus.listen->text());
+    table.error("listen", "\"{}\" is already used", bus.listen->text());
   }
 }
 
@@ -177,7 +177,7 @@ void refuse_wire(TomlTable& table) {
   for (const std::string_view key : {"baud", "parity", "data_bits", "stop_bits", "adapter_latency",
                                      "gap", "echo", "echo_delay"}) {
     if (table.has(key)) {
-      table.error(key, "a \"tcp\" bus is no serial line");
+      table.error(key, "a \"tcp\" bus is not a serial line");
     }
   }
 }
@@ -232,7 +232,7 @@ void place_device(TomlTable& table, const DeviceSettings& device, BusSettings& b
     return other.address == device.address;
   });
   if (taken && (table.has("address") || bus.mode == BusMode::tcp)) {
-    table.error("address", "{} is taken already on bus \"{}\"", device.address, bus.name);
+    table.error("address", "{} is already used on bus \"{}\"", device.address, bus.name);
   }
   bus.devices.push_back(device);
 }

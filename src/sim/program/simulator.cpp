@@ -60,7 +60,7 @@ bool Simulator::prepare() {
   signals_.reset(::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC));
   timer_.reset(::timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC));
   if (signals_.get() < 0 || timer_.get() < 0) {
-    errors_ << "mbgate-sim: the system gives no signalfd or timerfd\n";
+    errors_ << "mbgate-sim: the system provides no signalfd or timerfd\n";
     return false;
   }
   return true;

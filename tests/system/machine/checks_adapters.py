@@ -108,7 +108,8 @@ def _heard_with(plant, setting):
             # A drive that does not answer: its echo must not be taken for its answer.
             assert told(client.ask(5, write(3, 1))) == "0B", "an echo was taken for an answer"
             return "reads and writes right, a silent drive's write 0B"
-        words = "it hears what it sends, and `echo" + ("`" if setting == '"auto"' else " = false` denies it")
+        setting_text = "and `echo` does not say so" if setting == '"auto"' else "but `echo = false` is set"
+        words = f"the adapter receives what it sends, {setting_text}"
         for _ in range(20):
             client.ask(1, read(0))
             if words in plant.status():

@@ -119,7 +119,7 @@ TEST(Changes, OfRulesAreNotTheirLines) {
   next.rules.emplace_back().permits = false;
   old = next;
   std::swap(next.rules[0], next.rules[1]);
-  EXPECT_THAT(changes(old, next), ElementsAre("access rules: in another order, or twice"));
+  EXPECT_THAT(changes(old, next), ElementsAre("access rules: their order or number has changed"));
 }
 
 }  // namespace

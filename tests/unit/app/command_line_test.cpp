@@ -109,8 +109,8 @@ TEST(CommandLine, RefusesASerialPortWithAFile) {
 
 TEST(CommandLine, RefusesToOpenASerialPortToEveryone) {
   EXPECT_EQ(refusal({"--serial", "/dev/ttyUSB0", "--listen", "0.0.0.0:1502"}),
-            "--listen: other machines reach 0.0.0.0: add --allow with those who may connect, such "
-            "as --allow 192.168.10.0/24\n"
+            "--listen: other machines can reach 0.0.0.0: add --allow with the permitted clients, "
+            "such as --allow 192.168.10.0/24\n"
             "Run with --help for more information.\n");
 }
 

@@ -172,7 +172,8 @@ TEST_F(LogTest, CountsWhatAJournalThatBlocksDoesNotTake) {
   EXPECT_EQ(
       std::vector(sent.begin() + 1000, sent.end()),
       (std::vector<std::string>{
-          "MESSAGE=last", "MESSAGE=500 lines are missing here: the journal did not take them"}));
+          "MESSAGE=last",
+          "MESSAGE=500 lines are missing here: the journal did not accept them fast enough"}));
 }
 
 TEST_F(LogTest, DoesNotBlockWhenNobodyReads) {

@@ -123,8 +123,8 @@ TEST(ParseListen, MustKnowWhoMayConnectFromOtherMachines) {
     const bool v6 = address.find(':') != std::string::npos;
     const std::string text = (v6 ? "[" + address + "]" : address) + ":1502";
     EXPECT_EQ(listen_text(parse_listen(text, kNobodyElse)),
-              "other machines reach " + address +
-                  ": add --allow with those who may connect, such as --allow 192.168.10.0/24");
+              "other machines can reach " + address +
+                  ": add --allow with the permitted clients, such as --allow 192.168.10.0/24");
     EXPECT_EQ(listen_text(parse_listen(text, {"10.0.0.7"})), address + " 1502");
   }
 }

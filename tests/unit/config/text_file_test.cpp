@@ -116,8 +116,8 @@ TEST_F(ConfigFiles, SayAKeyOnce) {
   write("conf.d/10.toml", "[gateway]\nlock_memory = true\nunit = 200\n");
   write("conf.d/20.toml", "[gateway]\nlock_memory = true\n");
   EXPECT_EQ(wrong(),
-            "conf.d/10.toml:3:1: error: unit: is said already at main.toml:2:1\nunit = 200\n^\n"
-            "conf.d/20.toml:2:1: error: lock_memory: is said already at conf.d/10.toml:2:1\n"
+            "conf.d/10.toml:3:1: error: unit: is already set at main.toml:2:1\nunit = 200\n^\n"
+            "conf.d/20.toml:2:1: error: lock_memory: is already set at conf.d/10.toml:2:1\n"
             "lock_memory = true\n^\n");
   EXPECT_FALSE(load().settings);
 }
@@ -125,7 +125,7 @@ TEST_F(ConfigFiles, SayAKeyOnce) {
 TEST_F(ConfigFiles, SayOfWhatKindAKeyIsWhereTheyDisagree) {
   write("conf.d/10.toml", "[bus]\nname = \"line-b\"\ndevice = \"/dev/ttyS1\"\n");
   EXPECT_EQ(wrong(),
-            "conf.d/10.toml:1:2: error: bus: is said already at main.toml:5:3, as a list; here it "
+            "conf.d/10.toml:1:2: error: bus: is already set at main.toml:5:3, as a list; here it "
             "is a table\n[bus]\n ^\n");
 }
 
@@ -134,7 +134,7 @@ TEST_F(ConfigFiles, AddNothingToAListThatIsEmpty) {
   write("conf.d/10.toml", "client = []\n");
   write("conf.d/20.toml", "[[client]]\naddress = \"192.0.2.2\"\nweight = 3\n");
   EXPECT_EQ(wrong(),
-            "conf.d/20.toml:1:3: error: client: is said already at conf.d/10.toml:1:1\n"
+            "conf.d/20.toml:1:3: error: client: is already set at conf.d/10.toml:1:1\n"
             "[[client]]\n  ^\n");
 }
 
@@ -143,11 +143,11 @@ TEST_F(ConfigFiles, GiveANameOnce) {
   write("conf.d/20.toml", axis("axis-x", 1));
   write("conf.d/30.toml", "[[bus]]\nname = \"line-a\"\ndevice = \"/dev/ttyS1\"\n");
   EXPECT_EQ(wrong(),
-            "conf.d/20.toml:2:8: error: name: \"axis-x\" is taken already at conf.d/10.toml:2:8\n"
+            "conf.d/20.toml:2:8: error: name: \"axis-x\" is already used at conf.d/10.toml:2:8\n"
             "name = \"axis-x\"\n       ^\n"
-            "conf.d/20.toml:4:11: error: address: 1 on this bus is taken already at "
+            "conf.d/20.toml:4:11: error: address: 1 on this bus is already used at "
             "conf.d/10.toml:4:11\naddress = 1\n          ^\n"
-            "conf.d/30.toml:2:8: error: name: \"line-a\" is taken already at main.toml:6:8\n"
+            "conf.d/30.toml:2:8: error: name: \"line-a\" is already used at main.toml:6:8\n"
             "name = \"line-a\"\n       ^\n");
 }
 

@@ -56,8 +56,8 @@ TEST(CommandLine, TlsHasAPortOfItsOwnAndNeedsFiles) {
   EXPECT_EQ(command<ReadCommand>("read holding 0 --tls --port 502" + files).target.port, 502);
   EXPECT_FALSE(command<ReadCommand>("read holding 0").target.tls.has_value());
   EXPECT_EQ(complaint("read holding 0 --tls --key a.key"),
-            "mbgatectl: --tls needs --certificate, --key and --authorities: the server is to know "
-            "who asks, and so are we who answers (mbgate-cert makes such files)");
+            "mbgatectl: --tls needs --certificate, --key and --authorities: client and server "
+            "identify each other (mbgate-cert makes such files)");
   EXPECT_EQ(complaint("read holding 0 --key a.key"), "mbgatectl: --key requires --tls");
 }
 

@@ -91,9 +91,9 @@ TEST(Gateway, OpensAnAdapterAgainThatHearsNothingAndSaysSoOnce) {
   }
   EXPECT_THAT(rig.events,
               ElementsAre("bus line-a is open",
-                          "bus line-a: nothing at all was heard for 60 s, in which 2 requests "
-                          "left; in case that the adapter hangs it is closed and opened again, now "
-                          "and ever less often until something is heard"));
+                          "bus line-a: not a byte was heard for 60 s, in which 2 requests were "
+                          "sent; the adapter may hang, so it is closed and opened again, now and "
+                          "at growing intervals until something is heard"));
 }
 
 TEST(Gateway, KnowsWhetherItIsWokenInTime) {

@@ -127,8 +127,8 @@ TEST_F(JournalOfALine, CallsOnlyADeviceLostThatHasAnswered) {
 TEST_F(JournalOfALine, TellsAnotherClientByItsRequest) {
   rig_.advance(10s);
   rig_.line("01 03 00 10 00 01 85 CF");
-  EXPECT_THAT(rig_.events, ElementsAre("device axis: a request to it was heard that nobody here "
-                                       "sent; another client is on this line"));
+  EXPECT_THAT(rig_.events, ElementsAre("device axis: a request to it was heard that the gateway "
+                                       "did not send; another client is on this line"));
 }
 
 TEST_F(JournalOfALine, TellsASecondAnswerToOneRequest) {
@@ -158,11 +158,11 @@ TEST(Gateway, SaysWhetherALineHearsItself) {
   rig.respond("01 03 02 12 34");
   EXPECT_THAT(
       rig.events,
-      ElementsAre("bus line-a: a write was answered by its own repetition, and no read has "
-                  "shown yet whether that is an echo: until one has, it proves nothing (say "
-                  "echo = true or echo = false)",
-                  "bus line-a: the line hears what it sends; the echo is compared from now "
-                  "on (echo = true says so from the start)"));
+      ElementsAre(
+          "bus line-a: a write came back unchanged, and no read has shown yet whether that is its "
+          "answer or an echo: until then it acknowledges nothing (set echo = true or echo = false)",
+          "bus line-a: the adapter receives what it sends; the echo is checked from now on (echo = "
+          "true: from the start)"));
 }
 
 TEST(JournalOfABabblingLine, SaysThatItIsNeverSilent) {

@@ -93,8 +93,8 @@ TEST(Describe, RtuFramesNameTheirUnit) {
   EXPECT_EQ(rtu("02 81 02 31 91", Direction::response),
             "unit 2: exception 0x02 (illegal data address)");
   EXPECT_EQ(rtu("01 03 00 1E 00 02 A4 0C", Direction::request),
-            "no RTU frame (size or CRC): 01 03 00 1E 00 02 A4 0C");
-  EXPECT_EQ(describe_rtu({}, Direction::request), "no RTU frame (size or CRC): ");
+            "not an RTU frame (size or CRC): 01 03 00 1E 00 02 A4 0C");
+  EXPECT_EQ(describe_rtu({}, Direction::request), "not an RTU frame (size or CRC): ");
 }
 
 TEST(Describe, MbapAdusNameTransactionAndUnit) {

@@ -18,7 +18,7 @@ TEST(StreamPlaces, AreForWhoeverComesFirst) {
   {
     const Counted second = places.take(kOverTcp);
     const char* const full =
-        "2 clients follow events or the trace already, [http] max_streams allows 2";
+        "2 clients already follow events or the trace; [http] max_streams allows 2";
     EXPECT_EQ(places.refusal(kOverSocket), full);
     EXPECT_EQ(places.refusal(kOverTcp), full);
   }
@@ -35,7 +35,7 @@ TEST(StreamPlaces, AreAQuarterForTheUnixSocketAlone) {
   const Counted sixth = places.take(kOverTcp);
   EXPECT_EQ(
       places.refusal(kOverTcp),
-      "6 clients follow events or the trace over TCP already, [http] max_streams = 8 allows 6 "
+      "6 clients already follow events or the trace over TCP; [http] max_streams = 8 allows 6 "
       "there");
   EXPECT_EQ(places.refusal(kOverSocket), std::nullopt);
 }
@@ -52,7 +52,7 @@ TEST(StreamPlaces, OfWhichThereIsOneAreNotForTcp) {
   const StreamPlaces places(1);
   EXPECT_EQ(
       places.refusal(kOverTcp),
-      "0 clients follow events or the trace over TCP already, [http] max_streams = 1 allows 0 "
+      "0 clients already follow events or the trace over TCP; [http] max_streams = 1 allows 0 "
       "there");
   EXPECT_EQ(places.refusal(kOverSocket), std::nullopt);
 }

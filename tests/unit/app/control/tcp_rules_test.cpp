@@ -47,15 +47,16 @@ TEST(TcpRules, RefuseWhatIsMeantForAnotherName) {
   ASSERT_TRUE(refusal);
   EXPECT_EQ(refusal->status, http::status::misdirected_request);
   EXPECT_EQ(refusal->why,
-            "this machine does not go by the name \"evil.example\xEF\xBF\xBD:80\": ask for its "
-            "address, or add the name to [http] hosts");
+            "\"evil.example\xEF\xBF\xBD:80\" is not a name of this machine: use its address, or "
+            "add the name to [http] hosts");
 }
 
 TEST(TcpRules, RefuseWhatWouldChangeSomething) {
   const auto refusal = refused_over_tcp(request(http::verb::post, "127.0.0.1"), {});
   ASSERT_TRUE(refusal);
   EXPECT_EQ(refusal->status, http::status::forbidden);
-  EXPECT_EQ(refusal->why, "only on the Unix socket, [http] socket: nothing is changed over TCP");
+  EXPECT_EQ(refusal->why,
+            "expected the Unix socket ([http] socket): nothing can be changed over TCP");
 }
 
 TEST(TcpRules, TakeAPageForOursWhoseOriginIsTheHost) {
@@ -77,7 +78,8 @@ TEST(TcpRules, RefuseAPageFromElsewhere) {
   const auto refusal = refused_over_tcp(asked, {});
   ASSERT_TRUE(refusal);
   EXPECT_EQ(refusal->status, http::status::forbidden);
-  EXPECT_EQ(refusal->why, "asked by a page from elsewhere, \"http://evil.example\" (Origin)");
+  EXPECT_EQ(refusal->why,
+            "the request comes from a page of another origin, \"http://evil.example\" (Origin)");
   asked.erase(http::field::host);
   EXPECT_TRUE(refused_over_tcp(asked, {}));
   asked.set(http::field::origin, "http://");

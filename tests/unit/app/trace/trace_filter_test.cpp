@@ -87,8 +87,8 @@ TEST(TraceFilter, SaysWhatIsExpected) {
   EXPECT_EQ(error("only=good"), "only=good" + expected);
   EXPECT_EQ(error("unit=1"), "unit=1" + expected);
   EXPECT_EQ(error("events=2"), "events=2" + expected);
-  EXPECT_EQ(error("bus=%2"), "bus: a % stands before two hexadecimal digits");
-  EXPECT_EQ(error("bus=%zz"), "bus: a % stands before two hexadecimal digits");
+  EXPECT_EQ(error("bus=%2"), "bus: expected two hexadecimal digits after %");
+  EXPECT_EQ(error("bus=%zz"), "bus: expected two hexadecimal digits after %");
 }
 
 }  // namespace

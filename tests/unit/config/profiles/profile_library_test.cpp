@@ -75,7 +75,7 @@ TEST(ProfileLibrary, HasTheGenericProfileWithoutAnyFolder) {
   ASSERT_NE(library.find("generic"), nullptr);
   EXPECT_THAT(library.names(), ElementsAre("generic"));
   EXPECT_EQ(unknown_profile(library, "moons-m3"),
-            "no profile is named \"moons-m3\"; there is none but \"generic\" in no-such-folder and "
+            "no profile is named \"moons-m3\"; there is only \"generic\" in no-such-folder and "
             "nor-this");
 }
 

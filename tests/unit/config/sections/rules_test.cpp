@@ -65,13 +65,14 @@ TEST(Rules, AreCountedWithTheirEnd) {
   settings.rules[0].place = "mbgate.toml:12";
   const std::string count = "configuration ok: 0 listeners, 0 buses, 0 devices, 0 routes\n";
   EXPECT_EQ(check_summary(settings),
-            count + "1 rule: the last one, mbgate.toml:12, permits what is left");
+            count + "1 rule: the last one, mbgate.toml:12, permits all other requests");
   settings.rules[0].permits = false;
   settings.rules[0].name = "rest";
   EXPECT_EQ(check_summary(settings),
-            count + "1 rule: the last one, \"rest\" (mbgate.toml:12), denies what is left");
+            count + "1 rule: the last one, \"rest\" (mbgate.toml:12), denies all other requests");
   settings.rules.emplace_back().access = routing::RuleAccess::read;
-  EXPECT_EQ(check_summary(settings), count + "2 rules: what none of them matches is denied");
+  EXPECT_EQ(check_summary(settings),
+            count + "2 rules: requests that match none of them are denied");
 }
 
 }  // namespace

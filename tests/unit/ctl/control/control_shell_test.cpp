@@ -132,7 +132,7 @@ TEST_F(ControlShellOverTcp, SaysThatNobodyListens) {
   ::close(listener_);
   listener_ = -1;
   EXPECT_EQ(ask_control("tcp://" + server_, "GET", "/healthz", kAnswerLimit).error(),
-            "nobody listens at tcp://" + server_ +
+            "no program listens at tcp://" + server_ +
                 ": is mbgated running, and is this one of its [http] listen?");
 }
 

@@ -33,7 +33,7 @@ TEST(Page, CutsAWordThatIsLongerThanALine) {
 TEST(Page, SaysHowManyLinesAreLeftOut) {
   EXPECT_EQ(page("1\n2\n3\n4\n", 4, 80), (Lines{"1", "2", "3", "4"}));
   EXPECT_EQ(page("1\n2\n3\n4\n", 3, 80),
-            (Lines{"1", "2", "... 2 lines more: the window is too small for them"}));
+            (Lines{"1", "2", "... 2 more lines: the window is too small for them"}));
   EXPECT_EQ(page("1\n2\n3\n4\n", 1, 5), Lines{"... 4"});
 }
 

@@ -88,7 +88,7 @@ TEST(AnswerFindings, SayTheShareOfBadCrcs) {
 TEST(AnswerFindings, NameRateAndParityWhereOnlyDamageIsHeard) {
   EXPECT_EQ(only_finding(trials(4, {HeardKind::noise})),
             (Finding{Judgement::fault, "answers of unit 3",
-                     "no answer to 4 requests: 4 with bytes that are no frame (100 %)",
+                     "no answer to 4 requests: 4 with bytes that are not a frame (100 %)",
                      "rate or parity, here 9600 8E1 (mbgatectl scan --device /dev/ttyUSB0 finds "
                      "those that answer); A and B; two devices at one address"}));
   EXPECT_EQ(finding_beside_a_good_one(trials(4, {HeardKind::bad_crc})),
@@ -112,7 +112,7 @@ TEST(AnswerFindings, NameTheCausesOfAnotherFrame) {
             (Finding{Judgement::fault, "answers of unit 3",
                      "no answer to 3 requests: 3 with a frame that is not the answer",
                      "a device that answers with another address, or so late that another request "
-                     "was sent before; or another client on this line"}));
+                     "had been sent; or another client on this line"}));
 }
 
 TEST(AnswerFindings, LeaveTheResponseWaitOutOfTheTimeout) {
@@ -169,11 +169,11 @@ TEST(AnswerFindings, DoubtWhatIsHeardBesideAnotherClient) {
   EXPECT_EQ(only_finding({foreign}),
             (Finding{Judgement::unknown, "answers of unit 3",
                      "no answer to 1 request: 1 with a frame that is not the answer",
-                     "another client is on this line: take it off, and run this again"}));
+                     "another client is on this line: disconnect it, and run this again"}));
   auto last = answered_after(microseconds(4000));
   last.after.bytes = 9;
   EXPECT_EQ(only_finding({{HeardKind::noise}, last}).advice,
-            "noise or another client is on this line: cure that, and run this again");
+            "noise or another client is on this line: remove the cause, and run this again");
   EXPECT_EQ(only_finding({last}).verdict, Judgement::ok);
   // It is on the line of each unit.
   const auto both = answer_findings(plan_of_line(), {trials_of(3, {{}}), trials_of(4, {foreign})});

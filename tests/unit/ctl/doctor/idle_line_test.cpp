@@ -36,7 +36,7 @@ TEST(IdleLine, HasAnotherClientWhereSeveralAnswersAreHeard) {
   const auto heard = one_after_the_other({answer, answer});
   EXPECT_EQ(found_in(heard),
             (Finding{Judgement::fault, "idle line",
-                     "2 frames of devices heard in 2s, but not what they answer: another client "
+                     "2 frames of devices heard in 2s, but not the requests: another client "
                      "whose requests do not reach this port, as on four wires, the first: unit 5: "
                      "1 register: 0x1234",
                      kOneClient}));
@@ -64,21 +64,22 @@ TEST(IdleLine, NamesAllCausesOfBytesThatAreNoFrame) {
   EXPECT_EQ(
       found_in({0x12, 0x34, 0x56, 0x78, 0x9A, 0xBC, 0xDE, 0xF0, 0x11}),
       (Finding{Judgement::fault, "idle line",
-               "9 bytes heard in 2s that are no frame at 9600 8E1: 12 34 56 78 9A BC DE F0 ..",
-               "as of noise (termination, bias, shield, motor cables beside it), or of another "
-               "client at another rate or parity"}));
-  EXPECT_EQ(found_in({0x00, 0x00, 0x00}),
-            (Finding{Judgement::fault, "idle line",
-                     "3 bytes heard in 2s that are no frame at 9600 8E1: 00 00 00",
-                     "as of a line that nothing holds at rest (are A and B exchanged, is there a "
-                     "bias and a termination, is a wire loose?), or of another client at another "
-                     "rate or parity"}));
+               "9 bytes heard in 2s that are not a frame at 9600 8E1: 12 34 56 78 9A BC DE F0 ..",
+               "looks like noise (termination, bias, shield, motor cables beside it), or like "
+               "another client at another rate or parity"}));
+  EXPECT_EQ(
+      found_in({0x00, 0x00, 0x00}),
+      (Finding{
+          Judgement::fault, "idle line",
+          "3 bytes heard in 2s that are not a frame at 9600 8E1: 00 00 00",
+          "looks like a line without an idle level (are A and B exchanged, is bias or termination "
+          "missing, is a wire loose?), or like another client at another rate or parity"}));
 }
 
 TEST(IdleLine, IsNotCondemnedForAByteOfTheAdapter) {
   EXPECT_EQ(found_in({0x00}),
             (Finding{Judgement::unknown, "idle line",
-                     "1 byte heard in 2s that is no frame at 9600 8E1: 00",
+                     "1 byte heard in 2s that is not a frame at 9600 8E1: 00",
                      "an adapter may make them when it is opened: run this again"}));
 }
 

@@ -28,10 +28,10 @@ TEST(EchoFinding, IsAFaultOnlyWhereTheConfigurationSaysOtherwise) {
   EXPECT_EQ(echo_of(std::nullopt, trials(2, without_echo())),
             (Finding{Judgement::ok, "echo", "no request came back to the port"}));
   const std::string heard =
-      "the port hears what it sends: each request came back before its answer";
+      "the port receives what it sends: each request came back before its answer";
   EXPECT_EQ(echo_of(std::nullopt, trials(2, with_echo())),
             (Finding{Judgement::ok, "echo", heard,
-                     R"(with echo = "auto" the gateway learns it, with echo = true it knows)"}));
+                     R"(with echo = "auto" the gateway detects this, with echo = true it knows)"}));
   EXPECT_EQ(echo_of(true, trials(2, with_echo())), (Finding{Judgement::ok, "echo", heard}));
   EXPECT_EQ(echo_of(false, trials(2, with_echo())),
             (Finding{Judgement::fault, "echo", heard + ", and the bus has echo = false",
@@ -43,7 +43,7 @@ TEST(EchoFinding, MissesAnEchoOnlyWhereSomethingIsHeard) {
   EXPECT_EQ(echo_of(true, trials(2, without_echo())),
             (Finding{Judgement::fault, "echo", seen, R"(set echo = false or "auto")"}));
   EXPECT_EQ(echo_of(true, trials(2, {})), (Finding{Judgement::unknown, "echo", seen,
-                                                   "nothing was understood on this line at all"}));
+                                                   "no valid frame was received on this line"}));
 }
 
 TEST(EchoFinding, SaysThatSomeRequestsDidNotComeBack) {
@@ -71,15 +71,16 @@ TEST(AddressesFinding, NeedsTwoAnswersTwice) {
   EXPECT_EQ(
       addresses_finding({trials_of(3, followed(trials(19, without_echo()), doubled()))}),
       (Finding{Judgement::unknown, "addresses", "1 of 20 requests to unit 3 had two whole answers",
-               "run this again: one may be a late answer of before"}));
-  EXPECT_EQ(addresses_finding(
-                {trials_of(4, trials(20, without_echo())), trials_of(3, trials(20, doubled()))}),
-            (Finding{Judgement::fault, "addresses",
-                     "20 of 20 requests to unit 3 had two whole answers, and no request but ours "
-                     "was heard",
-                     "two devices at address 3, or another client whose requests are not heard "
-                     "here, or a line that hears what it sends: switch the device off, and see "
-                     "whether something still answers"}));
+               "run this again: one may be a late answer to an earlier request"}));
+  EXPECT_EQ(
+      addresses_finding(
+          {trials_of(4, trials(20, without_echo())), trials_of(3, trials(20, doubled()))}),
+      (Finding{Judgement::fault, "addresses",
+               "20 of 20 requests to unit 3 had two whole answers, and no request but ours "
+               "was heard",
+               "two devices at address 3, or another client whose requests are not heard "
+               "here, or an adapter that receives what it sends: switch the device off, and see "
+               "whether something still answers"}));
 }
 
 TEST(AddressesFinding, ClaimsNothingWhereAnotherClientAsks) {
@@ -89,7 +90,7 @@ TEST(AddressesFinding, ClaimsNothingWhereAnotherClientAsks) {
             (Finding{Judgement::unknown, "addresses",
                      "2 of 3 requests to unit 3 had two whole answers, but another client asks on "
                      "this line too",
-                     "take the other client off, and run this again"}));
+                     "disconnect the other client, and run this again"}));
 }
 
 TEST(AddressesFinding, ClaimsNothingWhereSomethingElseIsOnTheLine) {
@@ -97,9 +98,9 @@ TEST(AddressesFinding, ClaimsNothingWhereSomethingElseIsOnTheLine) {
   last.after.bytes = 9;
   EXPECT_EQ(addresses_finding({trials_of(3, followed(trials(2, doubled()), last))}),
             (Finding{Judgement::unknown, "addresses",
-                     "2 of 3 requests to unit 3 had two whole answers, but there is something on "
-                     "this line that nobody had asked for",
-                     "cure that, and run this again"}));
+                     "2 of 3 requests to unit 3 had two whole answers, but other bytes came on "
+                     "this line without a request",
+                     "remove the cause, and run this again"}));
 }
 
 TEST(AddressesFinding, CountsASecondAnswerThatCameLater) {
@@ -110,8 +111,8 @@ TEST(AddressesFinding, CountsASecondAnswerThatCameLater) {
 
 TEST(ForeignFinding, NamesTheOtherClientByItsRequest) {
   const Finding expected{Judgement::fault, "other client",
-                         "a request was heard that is not ours: unit 9: read holding registers 0; "
-                         "nobody was asked any more",
+                         "a request of another client was heard: unit 9: read holding registers 0; "
+                         "no more requests were sent",
                          kOneClient};
   const std::string request = "unit 9: read holding registers 0";
   auto within = without_echo();
@@ -128,9 +129,9 @@ TEST(ForeignFinding, NamesAllCausesOfBytesBetweenRequests) {
   disturbed.after.bytes = 9;
   EXPECT_EQ(foreign_finding({}, {trials_of(3, {disturbed})}),
             (Finding{Judgement::fault, "between requests",
-                     "9 bytes came that nobody had asked for; nobody was asked any more",
-                     "as of noise (termination, bias, shield, motor cables beside it), or of "
-                     "another client, maybe at another rate or parity"}));
+                     "9 bytes came without a request; no more requests were sent",
+                     "looks like noise (termination, bias, shield, motor cables beside it), or "
+                     "like another client, maybe at another rate or parity"}));
   EXPECT_EQ(foreign_finding({}, {trials_of(3, {without_echo()})}), std::nullopt);
   EXPECT_EQ(foreign_finding({}, {}), std::nullopt);
 }
@@ -147,8 +148,8 @@ TEST(AddressesFinding, NamesAllCausesOfAnswersThatAreAlwaysDamaged) {
                 {trials_of(3, trials(20, damaged)), trials_of(4, trials(20, without_echo()))}),
             (Finding{Judgement::unknown, "addresses",
                      "each answer of unit 3 is damaged (up to 9 bytes), while others answer well: "
-                     "two devices whose answers overlap would look so, and so would its own rate, "
-                     "parity, wires or transceiver",
+                     "two devices whose answers overlap look like this, and so does a device with "
+                     "a wrong rate or parity, bad wires or a bad transceiver",
                      "switch it off: if something still answers, there is a second one"}));
   EXPECT_EQ(addresses_finding({trials_of(3, trials(20, damaged))}),
             (Finding{Judgement::unknown, "addresses", "no answer was understood"}));

@@ -108,9 +108,9 @@ bus = "line-b"
 TEST(LinePlan, SaysWhatBusesThereAre) {
   EXPECT_EQ(plan_error("", kBuses), "which bus? --bus with one of line-a, line-b, text");
   EXPECT_EQ(plan_error("x", kBuses),
-            "there is no bus x in the configuration; there is line-a, line-b, far, text");
+            "the configuration has no bus x; it has line-a, line-b, far, text");
   EXPECT_EQ(plan_error("far", kBuses),
-            "bus far is a TCP connection to 192.168.1.7, no serial port");
+            "bus far is a TCP connection to 192.168.1.7, not a serial port");
   EXPECT_EQ(plan_error("text", kBuses),
             "bus text has ASCII frames: only lines with RTU frames can be examined");
 }
@@ -119,8 +119,8 @@ TEST(LinePlan, HasNobodyToAskAtAPortOfWhichNothingIsKnown) {
   DoctorCommand command;
   command.port = ExaminedPort{"/dev/ttyUSB0", {}, milliseconds(700)};
   EXPECT_EQ(plan_of_port(command).nobody,
-            "it is not known who is there: name a unit with --address, or find one with mbgatectl "
-            "scan --device /dev/ttyUSB0");
+            "no unit is known: name one with --address, or find one with mbgatectl scan --device "
+            "/dev/ttyUSB0");
   command.units = {5};
   const auto plan = plan_of_port(command);
   EXPECT_EQ(plan.nobody, std::nullopt);

@@ -15,25 +15,26 @@ const std::string kByItsId = "/dev/serial/by-id/usb-FTDI-if00";
 TEST(PortFinding, NamesThePortsThatThereAre) {
   EXPECT_EQ(port_finding(kPort, {.error = ENOENT}),
             (Finding{Judgement::fault, "port", "there is no serial port /dev/ttyUSB0",
-                     "is the adapter plugged in? dmesg says so"}));
-  EXPECT_EQ(port_finding(kPort, {.error = ENOENT, .names = {kByItsId}}),
-            (Finding{Judgement::fault, "port",
-                     "there is no serial port /dev/ttyUSB0; there is " + kByItsId,
-                     "name one of those that there are"}));
+                     "is the adapter plugged in? look at dmesg"}));
+  EXPECT_EQ(
+      port_finding(kPort, {.error = ENOENT, .names = {kByItsId}}),
+      (Finding{Judgement::fault, "port",
+               "there is no serial port /dev/ttyUSB0; there is " + kByItsId, "name one of these"}));
   EXPECT_EQ(port_finding("/etc/passwd", {}),
-            (Finding{Judgement::fault, "port", "/etc/passwd is no serial port",
-                     "name one, such as those of ls /dev/serial/by-id"}));
+            (Finding{Judgement::fault, "port", "/etc/passwd is not a serial port",
+                     "name a serial port, such as one in /dev/serial/by-id"}));
 }
 
 TEST(PortFinding, SuggestsTheNameThatStays) {
-  const Finding plain{Judgement::ok, "port", "/dev/ttyUSB0 is there"};
+  const Finding plain{Judgement::ok, "port", "/dev/ttyUSB0 exists"};
   EXPECT_EQ(port_finding(kPort, {.is_character_device = true}), plain);
   auto named = plain;
   named.advice =
-      "where adapters are plugged in otherwise it may be another one; this name stays: " + kByItsId;
+      "this name may change when adapters are plugged in differently; this one does not: " +
+      kByItsId;
   EXPECT_EQ(port_finding(kPort, {.is_character_device = true, .leading = {kByItsId}}), named);
   EXPECT_EQ(port_finding(kByItsId, {.is_character_device = true, .is_lasting = true}),
-            (Finding{Judgement::ok, "port", kByItsId + " is there"}));
+            (Finding{Judgement::ok, "port", kByItsId + " exists"}));
 }
 
 PermissionFacts not_allowed() {
@@ -49,16 +50,15 @@ PermissionFacts not_allowed() {
 TEST(PermissionFinding, SaysHowToJoinTheGroup) {
   EXPECT_EQ(permission_finding(kPort, not_allowed()),
             (Finding{Judgement::fault, "permission",
-                     "anna may not open /dev/ttyUSB0: no member of group dialout, which owns it",
+                     "anna may not open /dev/ttyUSB0: not a member of group dialout, which owns it",
                      "sudo adduser anna dialout, then log in again"}));
   auto joined = not_allowed();
   joined.becomes_member = true;
-  EXPECT_EQ(
-      permission_finding(kPort, joined),
-      (Finding{Judgement::fault, "permission",
-               "anna may not open /dev/ttyUSB0: a member of group dialout, but not since the last "
-               "login",
-               "log in again"}));
+  EXPECT_EQ(permission_finding(kPort, joined),
+            (Finding{Judgement::fault, "permission",
+                     "anna may not open /dev/ttyUSB0: a member of group dialout, but not yet in "
+                     "this login session",
+                     "log in again"}));
 }
 
 TEST(PermissionFinding, DoesNotSendAnybodyIntoAGroupThatMayNot) {
@@ -74,7 +74,7 @@ TEST(PermissionFinding, DoesNotSendAnybodyIntoAGroupThatMayNot) {
             (Finding{Judgement::fault, "permission",
                      "anna may not open /dev/ttyUSB0: Permission denied, though a member of group "
                      "dialout",
-                     "what else forbids it? getfacl /dev/ttyUSB0"}));
+                     "look for what else forbids it: getfacl /dev/ttyUSB0"}));
   auto allowed = not_allowed();
   allowed.error = 0;
   EXPECT_EQ(permission_finding(kPort, allowed),
@@ -93,19 +93,18 @@ TEST(HolderFinding, NamesWhoHasThePort) {
                      "end it first"}));
   EXPECT_EQ(held_finding(kPort, {}),
             (Finding{Judgement::fault, "holder", "a gateway or another program holds /dev/ttyUSB0",
-                     "sudo fuser -v /dev/ttyUSB0 names it; a gateway is stopped with sudo "
-                     "systemctl stop mbgated, or asked with mbgatectl status"}));
+                     "sudo fuser -v /dev/ttyUSB0 names it; stop a gateway with sudo systemctl stop "
+                     "mbgated, or ask it with mbgatectl status"}));
 }
 
 TEST(HolderFinding, SaysWhoReadsAlongWithoutALock) {
   EXPECT_EQ(free_finding(kPort, {}),
             (Finding{Judgement::ok, "holder", "no other program is seen to have it open"}));
-  EXPECT_EQ(
-      free_finding(kPort, {{12, "mbpoll"}}),
-      (Finding{Judgement::fault, "holder",
-               "mbpoll (process 12) has /dev/ttyUSB0 open too; nothing was sent, because each "
-               "takes bytes that are not meant for it",
-               "end it first"}));
+  EXPECT_EQ(free_finding(kPort, {{12, "mbpoll"}}),
+            (Finding{Judgement::fault, "holder",
+                     "mbpoll (process 12) has /dev/ttyUSB0 open too; nothing was sent, because "
+                     "each program would take bytes from the others",
+                     "end it first"}));
 }
 
 constexpr const char* kHowTo =
@@ -120,8 +119,7 @@ TEST(LatencyFinding, IsAFaultOnlyWhereTheGatewayLeavesItSo) {
                      "set low_latency = true; or " + std::string(kHowTo)}));
   const Finding slow{
       Judgement::ok, "latency",
-      "the adapter hands bytes over after 16 ms; so long the times below may be too "
-      "long",
+      "the adapter hands bytes over after 16 ms; the times below may be too long by that",
       "mbgated itself asks for 1 ms (low_latency); for other programs " + std::string(kHowTo)};
   EXPECT_EQ(latency_finding({kPort, 16, true}), slow);
   EXPECT_EQ(latency_finding({kPort, 16, std::nullopt}), slow);
@@ -132,7 +130,7 @@ TEST(LatencyFinding, IsAFaultOnlyWhereTheGatewayLeavesItSo) {
 TEST(LatencyFinding, KnowsNothingOfOtherAdapters) {
   EXPECT_EQ(latency_finding({"/dev/ttyS0"}),
             (Finding{Judgement::unknown, "latency",
-                     "/dev/ttyS0 is no FTDI adapter, or does not show its timer"}));
+                     "/dev/ttyS0 is not an FTDI adapter, or does not show its timer"}));
 }
 
 TEST(AvoidableDelay, IsTheTimerThatAGatewayShortens) {

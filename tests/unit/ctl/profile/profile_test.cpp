@@ -60,7 +60,7 @@ Communication registers, guarded unless allow_reconfigure = true
   table    address  manual  line  name
   holding  80       40081   81    Protocol
 
-Opcodes with a position, whose word order the device's opcode_order says
+Opcodes with a position (word order: opcode_order of the device)
   opcode in      40071
   opcodes        0x0098
   position from  40073 (line 74)
@@ -86,7 +86,7 @@ Strings, never exchanged
   table    address  manual       line  name
   holding  40-43    40041-40044  41    Model
 
-Parameter groups, no request goes over a border
+Parameter groups (no request crosses a border)
   table    address  manual       line  name
   holding  0-99     40001-40100
   holding  100-200  40101-40201

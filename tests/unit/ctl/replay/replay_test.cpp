@@ -168,8 +168,7 @@ TEST(Replay, OtherSettingsWithoutTheirConfigurationAreSaid) {
   std::string text = with_other_settings().text();
   const auto begin = text.rfind("config test.toml\n");
   text.erase(begin, text.find("4000000000 settings\n") - begin);
-  expect_bad(text, "4000000000 settings",
-             "expected the configuration of other settings before them");
+  expect_bad(text, "4000000000 settings", "expected a configuration before the new settings");
 }
 
 TEST(Replay, OnesThatAreNotValidAreSaid) {
@@ -206,7 +205,7 @@ TEST(Replay, SaysThatItCannotStartThen) {
 TEST(Replay, SaysWhatIsNoRecording) {
   const auto outcome = replayed("[[listen]]\n");
   ASSERT_TRUE(outcome.bad);
-  EXPECT_EQ(outcome.bad->reason, "expected \"mbgate recording 1\": this is no recording");
+  EXPECT_EQ(outcome.bad->reason, "expected \"mbgate recording 1\": this is not a recording");
   EXPECT_EQ(outcome.bad->line, 1U);
 }
 

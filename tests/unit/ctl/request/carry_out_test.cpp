@@ -110,8 +110,8 @@ TEST(CarryOut, TakesNoAnswerThatDoesNotFit) {
     EXPECT_EQ(outcome.errors.substr(0, head.size()), head);
     return outcome.errors.substr(std::min(head.size(), outcome.errors.size()));
   };
-  EXPECT_EQ(complaint({2, 0x06, 0x00, 0x7C, 0x00, 0xD8}, write_opcode()), "it is of unit 2\n");
-  EXPECT_EQ(complaint({1, 0x03, 0x02, 0x00, 0x01}, write_opcode()), "it is of another function\n");
+  EXPECT_EQ(complaint({2, 0x06, 0x00, 0x7C, 0x00, 0xD8}, write_opcode()), "it is from unit 2\n");
+  EXPECT_EQ(complaint({1, 0x03, 0x02, 0x00, 0x01}, write_opcode()), "it has another function\n");
   EXPECT_EQ(complaint({1, 0x06, 0x00, 0x7D, 0x00, 0xD8}, write_opcode()),
             "it repeats another address, value or quantity\n");
 }

@@ -116,7 +116,7 @@ TEST(CarryOutScan, AsksNobodyIfTheFileIsThere) {
   command.config = MBGATE_SOURCE_DIR "/conf/mbgate.toml";
   const auto outcome = carry_out(command, MBGATE_SOURCE_DIR "/conf/profiles");
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_EQ(outcome.errors, "mbgatectl: " MBGATE_SOURCE_DIR "/conf/mbgate.toml is there already\n");
+  EXPECT_EQ(outcome.errors, "mbgatectl: " MBGATE_SOURCE_DIR "/conf/mbgate.toml already exists\n");
 }
 
 }  // namespace

@@ -32,12 +32,12 @@ TEST(ScanTable, HasALineForEachUnitAndExplainsItself) {
 TEST(StartingConfig, LeavesTheChoiceWhereReadingCannotTell) {
   EXPECT_EQ(
       starting_config({"plant.example", 1502, 1, 5s}, "line-b", plant().found),
-      R"(# What mbgatectl scan found at plant.example, port 1502. Look through every line before it
-# runs: a scan only reads, and what reading cannot tell is marked CHOOSE.
+      R"(# What mbgatectl scan found at plant.example, port 1502. Check every line before you use
+# it: a scan only reads, and what it cannot find out is marked CHOOSE.
 
 [[listen]]
 name = "plant"
-address = "127.0.0.1"          # CHOOSE: the address that the clients reach, and who may: `allow`
+address = "127.0.0.1"          # CHOOSE: the address that the clients use, and `allow`, the permitted clients
 port = 502
 
 [[bus]]
@@ -52,7 +52,7 @@ name = "unit-1"
 bus = "line-b"
 address = 1
 profile = "moons-st"  # MOONS' step drives ST, STAC, STM and SWM; 9 of 9 answers fit
-# CHOOSE as the drive is set: it does not say.
+# CHOOSE the setting of the drive, which cannot be read.
 # word_order = "big"  # or "little"
 response_timeout = "100ms"  # it took up to 4ms, seen from here
 
@@ -121,12 +121,12 @@ word_order = "big"
 TEST(StartingConfig, HasTheLineAsItWasFound) {
   const LineMode mode{modbus::Baud{115200}, {8, modbus::Parity::none, 2}};
   const std::string begin =
-      R"(# What mbgatectl scan found at /dev/ttyUSB1. Look through every line before it
-# runs: a scan only reads, and what reading cannot tell is marked CHOOSE.
+      R"(# What mbgatectl scan found at /dev/ttyUSB1. Check every line before you use
+# it: a scan only reads, and what it cannot find out is marked CHOOSE.
 
 [[listen]]
 name = "plant"
-address = "127.0.0.1"          # CHOOSE: the address that the clients reach, and who may: `allow`
+address = "127.0.0.1"          # CHOOSE: the address that the clients use, and `allow`, the permitted clients
 port = 502
 
 [[bus]]

@@ -143,7 +143,8 @@ TEST(Units, AreNotOutsideTheBusNorNothing) {
   for (const std::string text : {"", "0", "248", "3-1", "1-", "-2", "1,,2", "a", "1-2-3", "1 "}) {
     const auto units = parse_units(text);
     ASSERT_FALSE(units) << text;
-    EXPECT_EQ(units.error(), "\"" + text + "\" are no units: 1 to 247, like 5 or 1-32 or 1-8,17");
+    EXPECT_EQ(units.error(),
+              "\"" + text + "\" is not a list of units: 1 to 247, like 5 or 1-32 or 1-8,17");
   }
 }
 

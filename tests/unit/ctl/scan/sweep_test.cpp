@@ -39,7 +39,7 @@ class ScriptedLine {
                 },
                 [this](std::uint8_t unit) -> Result<Heard, std::string> {
                   if (unit == broken_) {
-                    return {boost::system::in_place_error, "the port is gone"};
+                    return {boost::system::in_place_error, "the port has disappeared"};
                   }
                   asked.push_back(mode_ + " " + std::to_string(unit));
                   return script_[{mode_, unit}];
@@ -112,8 +112,8 @@ TEST(Sweep, CountsALateAnswerAndNoOtherFrame) {
   EXPECT_EQ(line.asked.size(), 3U);
   EXPECT_THAT(sweep.best()->units, ElementsAre(1));
   EXPECT_THAT(sweep_notes(sweep),
-              ElementsAre("at 9600 8E1 frames of units 1, 77 came late or were not asked for: a "
-                          "longer --wait may help, or another master is on the line"));
+              ElementsAre("at 9600 8E1 frames of units 1, 77 came late or without a request: a "
+                          "longer --wait may help, or another client is on the line"));
 }
 
 TEST(Sweep, NamesWhatItDidNotUnderstand) {
@@ -126,12 +126,13 @@ TEST(Sweep, NamesWhatItDidNotUnderstand) {
   Sweep sweep(plan_of({1, 2, 3}, "9600", "even,none,odd"));
   line.run(sweep);
   EXPECT_EQ(sweep.best(), nullptr);
-  EXPECT_THAT(sweep_notes(sweep),
-              ElementsAre("at 9600 8E1 12 bytes heard that are no answer: 1 frame with a bad CRC, "
-                          "and no frame after 2 requests",
-                          "at 9600 8N1 1 byte heard that is no answer: no frame after 1 request",
-                          "at 9600 8O1 5 bytes heard that are no answer: 1 frame with a bad CRC, "
-                          "as of two units with one address"));
+  EXPECT_THAT(
+      sweep_notes(sweep),
+      ElementsAre("at 9600 8E1 12 bytes heard that are not an answer: 1 frame with a bad CRC, "
+                  "and no frame after 2 requests",
+                  "at 9600 8N1 1 byte heard that is not an answer: no frame after 1 request",
+                  "at 9600 8O1 5 bytes heard that are not an answer: 1 frame with a bad CRC, "
+                  "as if two units had one address"));
 }
 
 TEST(Sweep, LeavesOutAModeThatThePortCannotHave) {
@@ -149,7 +150,7 @@ TEST(Sweep, EndsWithTheLineAndKeepsWhatItHas) {
   line.at("9600 8E1", 1, heard_of(HeardKind::answer));
   line.break_before(2);
   Sweep sweep(plan_of({1, 2}, "9600", "even"));
-  EXPECT_EQ(line.run(sweep), "the port is gone");
+  EXPECT_EQ(line.run(sweep), "the port has disappeared");
   EXPECT_THAT(sweep.best()->units, ElementsAre(1));
 }
 

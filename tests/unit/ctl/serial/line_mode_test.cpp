@@ -45,11 +45,12 @@ TEST(LineModes, AreTriedOnceEach) {
 TEST(LineModes, AreNotOfOtherWords) {
   for (const std::string bauds : {"", "0", "9600,", "4000001", "9600 ", "-1", "fast"}) {
     EXPECT_EQ(mode_error(bauds, "even", "1"),
-              "\"" + bauds + "\" are no baud rates: 1 to 4000000, with commas, like 9600,19200");
+              "\"" + bauds +
+                  "\" is not a list of baud rates: 1 to 4000000, with commas, like 9600,19200");
   }
   EXPECT_EQ(mode_error("9600", "even,mark", "1"),
-            "\"even,mark\" are no parities: even, none, odd, with commas");
-  EXPECT_EQ(mode_error("9600", "even", "3"), "\"3\" are no stop bits: 1, 2 or 1,2");
+            "\"even,mark\" is not a list of parities: even, none, odd, with commas");
+  EXPECT_EQ(mode_error("9600", "even", "3"), "\"3\" is not a list of stop bits: 1, 2 or 1,2");
 }
 
 }  // namespace

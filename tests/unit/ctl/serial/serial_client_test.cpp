@@ -191,7 +191,7 @@ TEST(SerialClient, OverhearsWithoutSending) {
 TEST(SerialClient, DoesNotOpenWhatIsNotThere) {
   const auto client = SerialClient::open("/dev/null");
   ASSERT_FALSE(client);
-  EXPECT_EQ(client.error(), "/dev/null: this is no serial port");
+  EXPECT_EQ(client.error(), "/dev/null: this is not a serial port");
 }
 
 }  // namespace

@@ -86,7 +86,7 @@ TEST(SerialPort, LeavesBytesAloneUntilItsModeIsSet) {
 TEST(SerialPort, IsNoOtherDevice) {
   const auto port = SerialPort::open("/dev/null");
   ASSERT_FALSE(port);
-  EXPECT_EQ(port.error(), "/dev/null: this is no serial port");
+  EXPECT_EQ(port.error(), "/dev/null: this is not a serial port");
   EXPECT_FALSE(is_held("/dev/null", port.error()));
 }
 

@@ -95,7 +95,8 @@ TEST(HeardEcho, IsNoneWhereTheResponseIsNotBehindIt) {
   frame.heard.push_back({{}, write});
   EXPECT_EQ(shown(frame),
             (Shown{"mbrtu 50000: 01 06 00 00 00 01 48 0A",
-                   "data: 01 06 00 00 00 01 48 0A # the same as was sent: the line hears itself",
+                   "data: 01 06 00 00 00 01 48 0A # the same bytes as sent: the adapter receives "
+                   "what it sends",
                    "data: 00 # no part of the response", "mbrtu 20502: 01 06 00 00 00 01 48 0A"}));
 }
 
@@ -110,8 +111,9 @@ TEST(HeardEcho, IsToldFromTheResponseInAsciiToo) {
   const std::string bytes = "data: " + modbus::hex(write);
   EXPECT_EQ(shown(frame), (Shown{bytes, bytes + " # what was heard"}));
   frame.heard.push_back({{}, write});
-  EXPECT_EQ(shown(frame), (Shown{bytes, bytes + " # the same as was sent: the line hears itself",
-                                 bytes + " # what was heard"}));
+  EXPECT_EQ(shown(frame),
+            (Shown{bytes, bytes + " # the same bytes as sent: the adapter receives what it sends",
+                   bytes + " # what was heard"}));
 }
 
 }  // namespace

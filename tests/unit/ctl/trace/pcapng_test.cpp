@@ -104,7 +104,7 @@ TEST(BusPackets, FindTheResponseBehindAnEchoAndNoise) {
   frame.heard.at(0).bytes = heard;
   const auto packets = bus_packets(frame);
   ASSERT_EQ(packets.size(), 4U);
-  EXPECT_EQ(packets[1].comment, "the same as was sent: the line hears itself");
+  EXPECT_EQ(packets[1].comment, "the same bytes as sent: the adapter receives what it sends");
   EXPECT_EQ(packets[2].comment, "no part of the response");
   EXPECT_EQ(ByteString(packets[3].bytes.end() - 9, packets[3].bytes.end()), response);
 }

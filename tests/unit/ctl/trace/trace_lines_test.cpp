@@ -66,19 +66,20 @@ std::string broadcast_record(const std::string& rest) {
 const char* const kBroadcast =
     " 192.0.2.7 plant unit 0: write single register 0: 0x0001\n"
     "  line-a address 0 > 00 06 00 00 00 01 49 DB  (+0.1 ms after the request came; "
-    "nobody answers that)\n";
+    "no device answers this)\n";
 
 TEST_F(TraceLines, ABroadcastThatHasNoAnswerHasNotFailed) {
   EXPECT_EQ(trace_lines(parse_trace(broadcast_record(R"("failed":false,"ended":"transmitted")"))),
             "03:55:00.123456" + std::string(kBroadcast) +
-                "  = no answer, the client has gone or gets none\n");
+                "  = no answer (the client has disconnected or gets none)\n");
 }
 
 TEST_F(TraceLines, ARequestThatHasNoAnswerHasFailed) {
   EXPECT_EQ(
       trace_lines(parse_trace(broadcast_record(R"("failed":true,"ended":"the line is not open")"))),
       "03:55:00.123456 FAILED" + std::string(kBroadcast) +
-          "  = FAILED: no answer, the client has gone or gets none: the line is not open\n");
+          "  = FAILED: no answer (the client has disconnected or gets none): the line is not "
+          "open\n");
 }
 
 TEST_F(TraceLines, SayWhatWasHeardWithoutBeingAsked) {
@@ -88,7 +89,7 @@ TEST_F(TraceLines, SayWhatWasHeardWithoutBeingAsked) {
           R"("sent":null,"outcome":"unasked","ended_at":"2026-11-24T22:10:00.200000Z",)"
           R"("response":null,"heard":[{"at":"2026-11-24T22:10:00.200000Z","bytes":"11"}],)"
           R"("heard_not_kept":2,"heard_text":"1 byte, too few for a frame"}],"wire_not_kept":0})")),
-      "03:55:00.200000 heard without being asked\n"
+      "03:55:00.200000 heard without a request\n"
       "  line-a < 11 and 2 bytes more  1 byte, too few for a frame\n");
 }
 

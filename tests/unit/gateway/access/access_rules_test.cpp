@@ -50,8 +50,8 @@ TEST(AccessInTheMachine, TheJournalIsToldOnceAMinuteForEachClientAndOfWhichRule)
   EXPECT_THAT(
       other.events,
       ElementsAre("listener plant: client 192.0.2.1: function 6 at unit 1, holding register 0 "
-                  "= 1, denied by rule \"locked\" (mbgate.toml:7); 2 more were denied since "
-                  "this was last said of the client"));
+                  "= 1, denied by rule \"locked\" (mbgate.toml:7); 2 more were denied since the "
+                  "last report for this client"));
 }
 
 // Registers of which some values change a drive's communication count as such only for these.

@@ -135,7 +135,7 @@ TEST(Denials, OfStopsDoNotFillTheDiskNorHideThoseOfAnotherClient) {
   EXPECT_THAT(rig.events[10], HasSubstr("client 192.0.2.2: a stop, "));
   rig.advance(60s);
   rig.receive(1, stop_request(1));
-  EXPECT_THAT(rig.events[11], HasSubstr("; 90 more were denied since this was last said"));
+  EXPECT_THAT(rig.events[11], HasSubstr("; 90 more were denied since the last report"));
 }
 
 TEST(Denials, OfClearedCountersAreToldAndTheCountersStay) {

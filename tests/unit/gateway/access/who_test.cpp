@@ -75,7 +75,7 @@ TEST_F(Who, IsDeniedByReadOnlyAccessFunctionsAndWindows) {
   EXPECT_EQ(may("192.0.2.2", 1, kWrite),
             "denied by the windows (registers) of the route of unit 1: exception 02");
   EXPECT_EQ(may("192.0.2.2", 250, kWrite),
-            "denied by the routes: unit 250 leads nowhere on this listener: exception 0A");
+            "denied by the routes: unit 250 has no route on this listener: exception 0A");
 }
 
 TEST_F(Who, NamesTheKeyThatDenies) {

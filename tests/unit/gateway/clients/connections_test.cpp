@@ -102,7 +102,8 @@ TEST_F(Connections, AReplacedOneIsReportedOnceUntilSomethingComes) {
   };
   poll_in_vain();
   const auto replaced =
-      "bus line-a: requests go out, but nothing has come for 30 s; the connection is replaced";
+      "bus line-a: requests are sent, but nothing has come back for 30 s; the connection is "
+      "replaced";
   EXPECT_THAT(rig.events, ElementsAre(replaced));
   EXPECT_EQ(rig.shut, 1U);
   poll_in_vain();

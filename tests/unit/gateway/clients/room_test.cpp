@@ -109,8 +109,8 @@ TEST_F(Room, WhereEachClientHasOneOnlyOneThatNeverAskedGoes) {
   come(4, kOther);
   EXPECT_THAT(rig_->closed, ElementsAre(2, 4));
   EXPECT_EQ(rig_->events.back(),
-            "listener plant: client 192.0.2.3 refused: max_connections is reached, and each other "
-            "client has one connection, which it uses, or is in the keep list");
+            "listener plant: client 192.0.2.3 refused: max_connections is reached, and every other "
+            "client uses its only connection or is in the keep list");
 }
 
 TEST_F(Room, KeptClientsNeverGo) {

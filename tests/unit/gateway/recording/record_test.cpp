@@ -158,7 +158,7 @@ TEST(Record, TheHeadCarriesTheWholeConfiguration) {
 
 TEST(Record, SaysWhatIsWrongWithAHead) {
   EXPECT_EQ(HeadReader().read("[[bus]]").error(),
-            "expected \"mbgate recording 1\": this is no recording");
+            "expected \"mbgate recording 1\": this is not a recording");
   HeadReader reader;
   ASSERT_TRUE(reader.read("mbgate recording 1"));
   EXPECT_EQ(reader.read("name = 1").error(),

@@ -71,7 +71,7 @@ TEST(BusyLine, NamesTheClientThatAsksForMostOfWhatWaits) {
       crowd.diagnoses(),
       ElementsAre(AllOf(StartsWith("client 192.0.2.7: it asks for more than bus line-a can carry | "
                                    "bus line-a is busy "),
-                        HasSubstr(" of the 22 requests that wait are its, the oldest for "),
+                        HasSubstr(" of the 22 requests that wait are from it, the oldest for "),
                         testing::EndsWith(" ms | how often it asks, and on how many connections; "
                                           "`pipeline`; `cache` for what it reads"))));
   EXPECT_EQ(crowd.diagnoses(false), crowd.diagnoses());  // those who count them see no clients

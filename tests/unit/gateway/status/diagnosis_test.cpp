@@ -67,17 +67,19 @@ TEST(LineWithEcho, IsNamedWhereItsSettingsSayNothing) {
   settings.buses[0].line.echo.reset();
   Trouble trouble(settings);
   trouble.read(kOwnRequest);
-  EXPECT_THAT(trouble.diagnoses(),
-              ElementsAre("bus line-a: it hears what it sends, and `echo` does not say so | "
-                          "requests come back as they were sent | say `echo = true`, or let the "
-                          "adapter not receive while it sends; until the echo is found again after "
-                          "each opening, the answer to a write may be its echo"));
+  EXPECT_THAT(
+      trouble.diagnoses(),
+      ElementsAre("bus line-a: the adapter receives what it sends, and `echo` does not say so | "
+                  "requests come back as they were sent | set `echo = true`, or switch the "
+                  "receiver off while the adapter sends; after each opening, until the echo is "
+                  "found again, the answer to a write may be its echo"));
 }
 
 constexpr auto kDeniedEcho =
-    "bus line-a: it hears what it sends, and `echo = false` denies it | requests come back as they "
-    "were sent | say `echo = true`: else answers are taken for those to another client, and the "
-    "echo of a write for its answer";
+    "bus line-a: the adapter receives what it sends, but `echo = false` is set | requests come "
+    "back as they "
+    "were sent | set `echo = true`: otherwise answers are taken for those to another client, and "
+    "the echo of a write for its answer";
 
 TEST(LineWithEcho, IsNamedWhereItsSettingsDenyIt) {
   Trouble trouble;
@@ -124,10 +126,11 @@ TEST(LineWithEcho, IsDoubtedWhereNoneComes) {
     trouble.read("");
     trouble.rig.advance(400ms);
   }
-  EXPECT_THAT(trouble.diagnoses(),
-              ElementsAre(std::string("bus line-a: nothing answers | 4 transmissions in a row to 1 "
-                                      "device unanswered | ") +
-                          kCausesOfNoAnswer + "; `echo`: what came back is not what was sent"));
+  EXPECT_THAT(
+      trouble.diagnoses(),
+      ElementsAre(std::string("bus line-a: nothing answers | 4 transmissions in a row to 1 "
+                              "device unanswered | ") +
+                  kCausesOfNoAnswer + "; `echo`: the received bytes differ from the sent ones"));
 }
 
 TEST(DeadLine, HasHeardSomethingIfBytesCame) {
@@ -169,7 +172,7 @@ TEST(AnotherClient, IsCertainWhereARequestIsHeard) {
   trouble.rig.line(kRequestOfAnother);
   trouble.rig.advance(5s);
   EXPECT_THAT(trouble.diagnoses(),
-              ElementsAre("bus line-a: requests are heard that nobody here sent | the last one 5 s "
+              ElementsAre("bus line-a: requests of another client are heard | the last one 5 s "
                           "ago, 1 counted | another client on this line (a second gateway, PLC or "
                           "tool)"));
 }
@@ -180,10 +183,11 @@ TEST(AnotherClient, IsOneOfTwoCausesWhereAnAnswerIsHeard) {
   trouble.rig.advance(20s);
   trouble.rig.respond(kAnswerOfAxis);
   trouble.rig.advance(5s);
-  EXPECT_THAT(trouble.diagnoses(),
-              ElementsAre("bus line-a: frames are heard that nobody here sent or asked for | the "
-                          "last one 5 s ago, 1 counted | another client on this line (a second "
-                          "gateway, PLC or tool), or two devices at one address"));
+  EXPECT_THAT(
+      trouble.diagnoses(),
+      ElementsAre("bus line-a: frames are heard that the gateway neither sent nor asked for | the "
+                  "last one 5 s ago, 1 counted | another client on this line (a second "
+                  "gateway, PLC or tool), or two devices at one address"));
 }
 
 TEST(TwoDevicesAtOneAddress, AreNamedForAWhileAfterTheSecondAnswer) {
@@ -195,7 +199,7 @@ TEST(TwoDevicesAtOneAddress, AreNamedForAWhileAfterTheSecondAnswer) {
   EXPECT_THAT(trouble.diagnoses(),
               ElementsAre("device axis: two answers came to one request | the last time 3 s ago | "
                           "two devices at address 1; another client on this line that asks it; "
-                          "whether the line hears what it sends (`echo`)"));
+                          "whether the adapter receives what it sends (`echo`)"));
   trouble.rig.advance(10min);
   EXPECT_THAT(trouble.diagnoses(), IsEmpty());
 }
@@ -213,18 +217,19 @@ TEST(TwoDevicesAtOneAddress, AreNamedOnALineWhoseEchoWasFound) {
   EXPECT_THAT(trouble.diagnoses(),
               ElementsAre(StartsWith("device axis: two answers came to one request | the last time "
                                      "3 s ago | two devices at address 1; "),
-                          StartsWith("bus line-a: it hears what it sends, ")));
+                          StartsWith("bus line-a: the adapter receives what it sends, ")));
 }
 
 TEST(WordOrder, IsNamedWhereTheDriveHasAnother) {
   Trouble trouble(plant_with_order());
   trouble.write_value();
   trouble.tell_order("00 05");
-  EXPECT_THAT(trouble.diagnoses(),
-              ElementsAre("device axis: its word order is not the configured one | its holding "
-                          "register 9 held 5 when it was last read; 133 is what was configured | "
-                          "`word_order`, or the setting of the drive; until then no values are "
-                          "written to it"));
+  EXPECT_THAT(
+      trouble.diagnoses(),
+      ElementsAre("device axis: its word order is not the configured one | its holding register 9 "
+                  "held 5 when it was last read; the configured word order has 133 | "
+                  "`word_order`, or the setting of the drive; until then no values are "
+                  "written to it"));
   trouble.write_value();
   trouble.tell_order("00 85");
   EXPECT_THAT(trouble.diagnoses(), IsEmpty());

@@ -77,8 +77,9 @@ TEST(Diagnoses, NameTheWorstFirst) {
   trouble.rig.line("09 03 00 00 00 01 85 42");
   trouble.rig.advance(400ms);
   trouble.ask_in_vain(3, 1);
-  EXPECT_THAT(trouble.diagnoses(), ElementsAre(StartsWith("device axis: it has never answered"),
-                                               StartsWith("bus line-a: requests are heard")));
+  EXPECT_THAT(trouble.diagnoses(),
+              ElementsAre(StartsWith("device axis: it has never answered"),
+                          StartsWith("bus line-a: requests of another client are heard")));
 }
 
 TEST(DeadLine, HasHeardSomethingThoughCountersWereCleared) {

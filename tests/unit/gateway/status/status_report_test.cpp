@@ -239,12 +239,12 @@ TEST_F(StatusOfAPlant, NamesForeignFramesForAWhile) {
   rig_.line("09 03 00 00 00 01 85 42");
   rig_.advance(5s);
   EXPECT_THAT(diagnoses(),
-              ElementsAre("bus line-a: requests are heard that nobody here sent | the last one 5 s "
+              ElementsAre("bus line-a: requests of another client are heard | the last one 5 s "
                           "ago, 1 counted | another client on this line (a second gateway, PLC or "
                           "tool)"));
   rig_.clear_counters();
   EXPECT_THAT(diagnoses(),
-              ElementsAre("bus line-a: requests are heard that nobody here sent | the last one 5 s "
+              ElementsAre("bus line-a: requests of another client are heard | the last one 5 s "
                           "ago | another client on this line (a second gateway, PLC or tool)"));
   rig_.advance(10min);
   EXPECT_THAT(diagnoses(), IsEmpty());

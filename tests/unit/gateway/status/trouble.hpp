@@ -23,8 +23,8 @@ inline Settings troubled_plant() {
 /// What a serial line on which nothing has ever answered is to be examined for.
 inline constexpr auto kCausesOfNoAnswer =
     "power; the cable and its plug; A and B; whether `device` is the port of this line; unit "
-    "addresses; the drives' setting, here 19200 baud 8E1; RTU or ASCII (`mode`); what switches the "
-    "direction (`rs485`)";
+    "addresses; the drives' setting, here 19200 baud 8E1; RTU or ASCII (`mode`); how the direction "
+    "is switched (`rs485`)";
 
 class Trouble {
  public:

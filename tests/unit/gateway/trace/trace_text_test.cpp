@@ -27,8 +27,8 @@ TEST(TraceText, SaysWhatWasSent) {
 
 TEST(TraceText, SaysWhatIsWrongWithAnRtuFrame) {
   EXPECT_EQ(heard("01 03 02 12 34 FF FF"), "CRC FF FF, B5 33 would be right");
-  EXPECT_EQ(heard("01 03 02 12 34"), "5 bytes of 7: the frame is not whole");
-  EXPECT_EQ(heard("01 03 02 12 34 B5 33 FF"), "8 bytes, not one whole frame");
+  EXPECT_EQ(heard("01 03 02 12 34"), "5 bytes of 7: the frame is incomplete");
+  EXPECT_EQ(heard("01 03 02 12 34 B5 33 FF"), "8 bytes, not exactly one frame");
   EXPECT_EQ(heard("01"), "1 byte, too few for a frame");
   EXPECT_EQ(heard(""), "nothing");
 }
@@ -52,13 +52,13 @@ TEST(TraceText, ARequestThatNobodyHereHasSentIsOne) {
 
 TEST(TraceText, SaysWhetherSomethingWasSentOfWhatWasCancelled) {
   EXPECT_STREQ(gateway::to_text(bus::Ending::cancelled, false), "cancelled before it was sent");
-  EXPECT_STREQ(gateway::to_text(bus::Ending::cancelled, true), "given up before it was done");
+  EXPECT_STREQ(gateway::to_text(bus::Ending::cancelled, true), "cancelled before it was done");
 }
 
 TEST(TraceText, TellsWhatWasSentFromWhatCameThen) {
-  EXPECT_EQ(heard("01 03 00 00 00 01 84 0A"), "the same as was sent, then nothing");
+  EXPECT_EQ(heard("01 03 00 00 00 01 84 0A"), "the same bytes as sent, then nothing");
   EXPECT_EQ(heard("01 03 00 00 00 01 84 0A 01"),
-            "the same as was sent, then 1 byte, too few for a frame");
+            "the same bytes as sent, then 1 byte, too few for a frame");
 }
 
 TEST(TraceText, AResponseThatWasTakenIsNoEcho) {
@@ -90,11 +90,11 @@ std::string heard_of_write(const std::vector<std::uint8_t>& bytes, bus::Framing 
 TEST(TraceText, AnEchoHasTheResponseBehindIt) {
   EXPECT_EQ(heard_of_write(unhex("00"), bus::Framing::rtu), "write single register 0 done");
   EXPECT_EQ(heard_of_write(unhex("00 01 06 00 00 00 01 48 0A"), bus::Framing::rtu),
-            "the same as was sent, then write single register 0 done");
+            "the same bytes as sent, then write single register 0 done");
   EXPECT_EQ(heard_of_write(unhex("00"), bus::Framing::ascii), "write single register 0 done");
   EXPECT_EQ(heard_of_write(unhex("3A 30 31 30 36 30 30 30 30 30 30 30 31 46 38 0D 0A"),
                            bus::Framing::ascii),
-            "the same as was sent, then write single register 0 done");
+            "the same bytes as sent, then write single register 0 done");
 }
 
 // ':', 01 03 02 12 34, its LRC, CR LF
@@ -103,7 +103,7 @@ TEST(TraceText, ReadsAscii) {
             "unit 1: 1 register: 0x1234");
   EXPECT_EQ(heard("3A 30 31 30 33 30 32 31 32 33 34 42 35 0D 0A", bus::Framing::ascii),
             "its LRC is wrong");
-  EXPECT_EQ(heard("3A 30 31", bus::Framing::ascii), "no whole ASCII frame");
+  EXPECT_EQ(heard("3A 30 31", bus::Framing::ascii), "no complete ASCII frame");
 }
 
 }  // namespace

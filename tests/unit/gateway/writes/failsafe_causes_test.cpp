@@ -192,8 +192,8 @@ TEST_F(SilentClient, IsReasonEnoughWhereQuietSaysSo) {
   expect_none(2900ms);
   rig_.advance(100ms);
   expect_writes();
-  EXPECT_THAT(rig_.events, ElementsAre("device axis-x: the client that counts for it is silent; it "
-                                       "has acknowledged its failsafe writes"));
+  EXPECT_THAT(rig_.events, ElementsAre("device axis-x: the client that counts for it is silent; "
+                                       "the device has acknowledged its failsafe writes"));
   expect_none(1h);
 }
 

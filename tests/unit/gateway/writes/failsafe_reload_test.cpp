@@ -32,8 +32,8 @@ TEST_F(FailsafeReload, ADriveThatIsRenamedIsTheSame) {
   rig_.disconnect(1);
   rig_.advance(kGrace);
   EXPECT_THAT(answer_all(rig_), ElementsAre(kStop1, kSecond));
-  EXPECT_THAT(rig_.events, ElementsAre("device axis-q: the client that counts for it has gone; it "
-                                       "has acknowledged its failsafe writes"));
+  EXPECT_THAT(rig_.events, ElementsAre("device axis-q: the client that counts for it has gone; the "
+                                       "device has acknowledged its failsafe writes"));
 }
 
 TEST_F(FailsafeReload, SoIsOneOfARenamedBus) {
@@ -115,8 +115,8 @@ TEST_F(FailsafeReload, ThatTakesADriveAwayWritesNothingAndSaysSo) {
   rig_.advance(1h);
   EXPECT_THAT(take_requests(rig_), IsEmpty());
   EXPECT_THAT(rig_.events,
-              ElementsAre("bus line-a: address 1: a reload has taken the device away; its failsafe "
-                          "writes are not sent any more, whatever clients have written to it"));
+              ElementsAre("bus line-a: address 1: a reload has removed the device; its failsafe "
+                          "writes are not sent any more, although clients have written to it"));
 }
 
 TEST_F(FailsafeReload, ADriveThatNobodyHasWrittenToMayGoWithoutAWord) {

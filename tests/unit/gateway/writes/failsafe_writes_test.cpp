@@ -170,8 +170,10 @@ TEST_F(FailsafeOnExit, SendsThemWhenTheGatewayStops) {
   rig_.shutdown();
   rig_.respond("02 03 02 00 01");
   EXPECT_THAT(answer_all(rig_), ElementsAre(kStop1, kSecond));
-  EXPECT_THAT(rig_.events, ElementsAre("device axis-x: the gateway stops; it has acknowledged its "
-                                       "failsafe writes"));
+  EXPECT_THAT(
+      rig_.events,
+      ElementsAre(
+          "device axis-x: the gateway stops; the device has acknowledged its failsafe writes"));
   EXPECT_TRUE(rig_.finished);
 }
 

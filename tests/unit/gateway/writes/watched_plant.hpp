@@ -25,8 +25,8 @@ inline Settings watched_plant() {
 inline constexpr auto kSecond = "01 06 00 10 00 07";
 inline constexpr auto kLost = "bus line-a is lost; it is being reopened";
 inline constexpr auto kAcknowledged =
-    "device axis-x: the client that counts for it has gone; it has acknowledged its failsafe "
-    "writes";
+    "device axis-x: the client that counts for it has gone; the device has acknowledged its "
+    "failsafe writes";
 inline constexpr auto kNotYet =
     "device axis-x: the client that counts for it has gone; its failsafe writes are not "
     "acknowledged yet, and are sent again";

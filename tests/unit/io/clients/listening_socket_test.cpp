@@ -122,7 +122,7 @@ TEST(ListeningSocket, NamesAnAddressThatIsNone) {
   const auto acceptor = bind_listener(context, listener);
   ASSERT_FALSE(acceptor.has_value());
   EXPECT_EQ(acceptor.error().why,
-            "listener \"test\": cannot listen on plc.local: this is no IPv4 or IPv6 address");
+            "listener \"test\": cannot listen on plc.local: this is not an IPv4 or IPv6 address");
 }
 
 /// An address for documentation (RFC 5737), which no machine has.
@@ -193,8 +193,8 @@ TEST(ListeningSocket, RefusesAnInheritedSocketThatDoesNotListen) {
       context, loopback_listener(), sys::UniqueFd(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)));
   ASSERT_FALSE(acceptor.has_value());
   EXPECT_EQ(acceptor.error().why,
-            "listener \"test\": cannot listen on the socket from systemd: it is no listening TCP "
-            "socket");
+            "listener \"test\": cannot listen on the socket from systemd: it is not a listening "
+            "TCP socket");
 }
 
 TEST(EndpointText, PutsIpv6InBrackets) {

@@ -170,7 +170,7 @@ TEST_F(SerialLineTest, FinishesAFrameThatTheDriverTakesInParts) {
     error = line_->transmit(frame);
     ++frames;
   }
-  EXPECT_EQ(error, terminal.path() + ": the frame before is still not transmitted");
+  EXPECT_EQ(error, terminal.path() + ": the previous frame is still not transmitted");
   EXPECT_TRUE(lost_.empty());
 }
 

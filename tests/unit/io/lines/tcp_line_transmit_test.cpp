@@ -54,7 +54,7 @@ TEST_F(TcpLineTest, TransmitsNothingBehindAFrameThatIsStuck) {
   ASSERT_NE(peer, nullptr);
   ASSERT_EQ(line_->transmit(kHugeFrame), std::nullopt);
   EXPECT_EQ(line_->transmit(kFrame),
-            name_of(far.port()) + ": the far end has not taken the frame before");
+            name_of(far.port()) + ": the far end has not accepted the previous frame");
   context_.poll();
   EXPECT_TRUE(lost_.empty());
   EXPECT_TRUE(was_reset(*peer));

@@ -76,7 +76,7 @@ TEST(Tty, SaysThatThePathDoesNotExist) {
 TEST(Tty, SaysThatThePathIsNoSerialLine) {
   const auto tty = open_tty(line_at("/dev/null"));
   ASSERT_FALSE(tty.has_value());
-  EXPECT_EQ(tty.error(), "/dev/null: this is no serial line");
+  EXPECT_EQ(tty.error(), "/dev/null: this is not a serial line");
 }
 
 TEST(Tty, SaysWhatIsMissingWhenAccessIsDenied) {

@@ -82,7 +82,7 @@ class TlsDoorTest : public testing::Test, public TlsEvents {
 };
 
 constexpr const char* kGoes =
-    ": no TLS handshake: no ClientHello had come when another client did (";
+    ": no TLS handshake: closed for another client, because no ClientHello had come (";
 
 TEST_F(TlsDoorTest, LetsTheOldestSilentOneGo) {
   for (const char* client : {"10.0.0.1", "10.0.0.2", "10.0.0.3", "10.0.0.4", "10.0.0.5"}) {

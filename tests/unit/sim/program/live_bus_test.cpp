@@ -63,7 +63,7 @@ TEST_F(LivePorts, ReplaceALinkThatLeadsNowhere) {
 
 TEST_F(LivePorts, LeaveEverythingElseAlone) {
   const std::string refusal =
-      "link " + link_.string() + " exists already and is in use or something else; remove it";
+      "link " + link_.string() + " already exists, and is in use or not a link; remove it";
   std::ofstream(link_) << "precious";
   EXPECT_EQ(sim::Pty::open(link_).error(), refusal);
   EXPECT_EQ(fs::file_size(link_), 8U);

@@ -114,10 +114,10 @@ address = 248
 sim.toml:8:9: error: model: expected "moons", "stepper", "aic" or "fda6000", found "steper"; did you mean 'stepper'?
 model = "steper"
         ^
-sim.toml:10:8: error: name: "x" is taken already
+sim.toml:10:8: error: name: "x" is already used
 name = "x"
        ^
-sim.toml:14:14: error: word_order: only a "moons" drive has one to be set
+sim.toml:14:14: error: word_order: belongs to a "moons" drive
 word_order = "big"
              ^
 sim.toml:15:17: error: response_wait: an AiC counts its waiting time in whole milliseconds
@@ -128,7 +128,7 @@ response_wait = "1.5ms"
 
 TEST(SimulatorSettings, RefusesADelayOfNoEcho) {
   EXPECT_EQ(errors_of("[[bus]]\nname = \"a\"\nlink = \"a\"\necho_delay = \"8ms\"\n"),
-            "sim.toml:4:14: error: echo_delay: only a bus with echo = true has one\n"
+            "sim.toml:4:14: error: echo_delay: belongs to a bus with echo = true\n"
             "echo_delay = \"8ms\"\n"
             "             ^\n");
 }
@@ -155,13 +155,13 @@ bus = "a"
 address = 1
 model = "stepper"
 )"),
-            R"(sim.toml:5:8: error: name: "a" is taken already
+            R"(sim.toml:5:8: error: name: "a" is already used
 name = "a"
        ^
-sim.toml:6:8: error: link: "l" is taken already
+sim.toml:6:8: error: link: "l" is already used
 link = "l"
        ^
-sim.toml:15:11: error: address: 1 is taken already on bus "a"
+sim.toml:15:11: error: address: 1 is already used on bus "a"
 address = 1
           ^
 )");
@@ -258,7 +258,7 @@ model = "moons"
             R"(sim.toml:4:8: error: link: a bus that listens has no link
 link = "a"
        ^
-sim.toml:5:8: error: baud: a "tcp" bus is no serial line
+sim.toml:5:8: error: baud: a "tcp" bus is not a serial line
 baud = 9600
        ^
 sim.toml:8:10: error: listen: expected an IPv4 address and a port, such as "127.0.0.1:0", found "localhost:1"
@@ -267,10 +267,10 @@ listen = "localhost:1"
 sim.toml:12:11: error: address: expected an integer from 0 to 255, found 256
 address = 256
           ^
-sim.toml:14:10: error: faults: what a "tcp" bus carries has no CRC to be bad
+sim.toml:14:10: error: faults: the frames of a "tcp" bus have no CRC
 faults = { bad_crc = true }
          ^
-sim.toml:15:1: error: address: 255 is taken already on bus "a"
+sim.toml:15:1: error: address: 255 is already used on bus "a"
 [[device]]
 ^
 )");
