@@ -2,6 +2,7 @@
 // The times that a bus waits for, each with a name.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -25,26 +26,31 @@ inline constexpr std::size_t kTimers = 8;
 
 class Timers {
  public:
+  Timers() { clear(); }
+
   void set(Timer timer, std::optional<Wake> wake) {
-    std::optional<Wake>& known = all_.at(static_cast<std::size_t>(timer));
-    known = earlier(known, wake);
-    first_ = earlier(first_, wake);
+    Wake& known = all_.at(static_cast<std::size_t>(timer));
+    known = wake && goes_before(*wake, known) ? *wake : known;
   }
   void set(Timer timer, std::optional<Instant> at) {
     if (at) {
       set(timer, std::optional(Wake{*at}));
     }
   }
-  void clear() { *this = {}; }
-  [[nodiscard]] std::optional<Wake> operator[](Timer timer) const {
-    return all_.at(static_cast<std::size_t>(timer));
-  }
+  void clear() { all_.fill(kNever); }
   /// The first of them. Of two at the same instant the one that must not come early.
-  [[nodiscard]] const std::optional<Wake>& first() const { return first_; }
+  [[nodiscard]] std::optional<Wake> first() const {
+    const Wake& first = *std::ranges::min_element(all_, goes_before);
+    return first.at == kNever.at ? std::nullopt : std::optional(first);
+  }
 
  private:
-  std::array<std::optional<Wake>, kTimers> all_{};
-  std::optional<Wake> first_;
+  static constexpr Wake kNever{Instant::max()};
+  static bool goes_before(const Wake& one, const Wake& other) {
+    return one.at < other.at || (one.at == other.at && !one.ends_silence && other.ends_silence);
+  }
+
+  std::array<Wake, kTimers> all_;
 };
 
 }  // namespace mbgate::bus

@@ -40,22 +40,17 @@ void Lines::handle(const LineLost& input, Instant now) {
   }
 }
 
-bool Lines::serve_one(Instant now) {
-  const auto bus = buses_.take_touched();
-  if (!bus) {
-    return false;
-  }
-  while (const auto action = buses_.poll(*bus)) {
+void Lines::serve(BusId bus, Instant now) {
+  while (const auto action = buses_.poll(bus)) {
     if (trace_.is_on()) {
-      trace(*bus, *action, now);
+      trace(bus, *action, now);
     }
     if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
       exchanges_.end(*ended->job, ended->ending);
     } else {
-      carry_out(*bus, *action);
+      carry_out(bus, *action);
     }
   }
-  return true;
 }
 
 void Lines::carry_out(BusId bus, const bus::BusAction& action) {

@@ -26,7 +26,13 @@ class Lines {
   void handle(const LineLost& input, Instant now);
 
   /// Carries out what a bus has decided; false if none has decided anything.
-  bool serve_one(Instant now);
+  bool serve_one(Instant now) {
+    const auto bus = buses_.take_touched();
+    if (bus) {
+      serve(*bus, now);
+    }
+    return bus.has_value();
+  }
   /// The next action for a line, or nothing. Reports are not among them.
   std::optional<Action> poll_action() { return line_actions_.poll(); }
   [[nodiscard]] bool has_actions() const { return !line_actions_.empty(); }
@@ -35,6 +41,7 @@ class Lines {
   void adopt(const Settings& before, const Settings& next, Instant now);
 
  private:
+  void serve(BusId bus, Instant now);
   void carry_out(BusId bus, const bus::BusAction& action);
   void trace(BusId bus, const bus::BusAction& action, Instant now);
   void report(const Event& event) { actions_.push(Report{event}); }

@@ -9,26 +9,36 @@ namespace mbgate::modbus {
 
 namespace {
 
-constexpr std::array<std::uint16_t, 256> make_table() {
-  std::array<std::uint16_t, 256> table{};
-  for (unsigned byte = 0; byte < table.size(); ++byte) {
+using CrcTable = std::array<std::uint16_t, 256>;
+
+// What a byte makes of the CRC when so many other bytes have followed it.
+constexpr std::array<CrcTable, 4> make_tables() {
+  std::array<CrcTable, 4> tables{};
+  for (unsigned byte = 0; byte < tables[0].size(); ++byte) {
     unsigned value = byte;
-    for (int bit = 0; bit < 8; ++bit) {
-      value = (value & 1U) != 0 ? (value >> 1U) ^ 0xA001U : value >> 1U;
+    for (CrcTable& table : tables) {
+      for (int bit = 0; bit < 8; ++bit) {
+        value = (value & 1U) != 0 ? (value >> 1U) ^ 0xA001U : value >> 1U;
+      }
+      table[byte] = static_cast<std::uint16_t>(value);
     }
-    table[byte] = static_cast<std::uint16_t>(value);
   }
-  return table;
+  return tables;
 }
 
-constexpr auto kTable = make_table();
+constexpr auto kTables = make_tables();
 
 }  // namespace
 
 std::uint16_t crc16(Bytes bytes) {
   unsigned crc = 0xFFFF;
+  for (; bytes.size() >= 4; bytes = bytes.subspan(4)) {
+    const auto four = bytes.first<4>();
+    crc = kTables[3][(crc ^ four[0]) & 0xFFU] ^ kTables[2][(crc >> 8U) ^ four[1]] ^
+          kTables[1][four[2]] ^ kTables[0][four[3]];
+  }
   for (const std::uint8_t byte : bytes) {
-    crc = (crc >> 8U) ^ kTable[(crc ^ byte) & 0xFFU];
+    crc = (crc >> 8U) ^ kTables[0][(crc ^ byte) & 0xFFU];
   }
   return static_cast<std::uint16_t>(crc);
 }

@@ -6,23 +6,6 @@
 
 namespace mbgate::modbus {
 
-bool is_read(Bytes pdu) {
-  switch (pdu[0]) {
-    case 0x01:
-    case 0x02:
-    case 0x03:
-    case 0x04:
-    case 0x07:
-    case 0x0B:
-    case 0x0C:
-    case 0x11:
-    case 0x14:
-    case 0x18: return true;
-    case 0x2B: return pdu.size() >= 2 && pdu[1] == kReadDeviceIdentification;
-    default: return false;
-  }
-}
-
 std::string_view function_name(std::uint8_t function) {
   switch (function) {
     case 0x01: return "read coils";

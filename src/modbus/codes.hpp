@@ -44,7 +44,14 @@ constexpr bool is_request_function(std::uint8_t function) {
 /// A read is 01-04, 07, 11, 12, 17, 20, 24 or 43/14; everything else, unknown functions included,
 /// counts as a write, because it may change something. `pdu` starts with the function code and is
 /// not empty.
-bool is_read(Bytes pdu);
+constexpr bool is_read(Bytes pdu) {
+  // A bit for each of them: this is asked some twenty times a transaction.
+  constexpr std::uint32_t kReads = 1U << 0x01U | 1U << 0x02U | 1U << 0x03U | 1U << 0x04U |
+                                   1U << 0x07U | 1U << 0x0BU | 1U << 0x0CU | 1U << 0x11U |
+                                   1U << 0x14U | 1U << 0x18U;
+  return pdu[0] < 32 ? (kReads >> pdu[0] & 1U) != 0
+                     : pdu[0] == 0x2B && pdu.size() >= 2 && pdu[1] == kReadDeviceIdentification;
+}
 
 /// What may be broadcast: the writes 05, 06, 15 and 16 (Serial Line V1.02, 2.1).
 constexpr bool is_broadcast_function(std::uint8_t function) {

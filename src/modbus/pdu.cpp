@@ -7,16 +7,13 @@ std::optional<Pdu> Pdu::from(Bytes bytes) {
   if (bytes.empty() || bytes.size() > kMaxPduSize) {
     return std::nullopt;
   }
-  Pdu pdu;
-  pdu.bytes_.assign(bytes.begin(), bytes.end());
-  return pdu;
+  return Pdu(bytes);
 }
 
 Pdu Pdu::exception(std::uint8_t function, ExceptionCode code) {
-  Pdu pdu;
-  pdu.bytes_.push_back(static_cast<std::uint8_t>(function | kExceptionBit));
-  pdu.bytes_.push_back(static_cast<std::uint8_t>(code));
-  return pdu;
+  const std::array<std::uint8_t, 2> bytes{static_cast<std::uint8_t>(function | kExceptionBit),
+                                          static_cast<std::uint8_t>(code)};
+  return Pdu(bytes);
 }
 
 }  // namespace mbgate::modbus

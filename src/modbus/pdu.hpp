@@ -3,7 +3,8 @@
 // A Pdu always has a legal size. request.hpp and response.hpp say what its bytes mean.
 #pragma once
 
-#include <boost/container/static_vector.hpp>
+#include <algorithm>
+#include <array>
 #include <optional>
 
 #include "modbus/bytes.hpp"
@@ -19,6 +20,11 @@ class Pdu {
   static std::optional<Pdu> from(Bytes bytes);
   /// The exception response to a request with `function`.
   static Pdu exception(std::uint8_t function, ExceptionCode code);
+  Pdu(const Pdu& other) : Pdu(other.bytes()) {}
+  Pdu& operator=(const Pdu& other) {
+    assign(other.bytes());
+    return *this;
+  }
 
   [[nodiscard]] std::uint8_t function() const { return bytes_[0]; }
   [[nodiscard]] bool is_exception() const { return (function() & kExceptionBit) != 0; }
@@ -27,18 +33,27 @@ class Pdu {
     return *this == exception(function(), ExceptionCode::gateway_path_unavailable) ||
            *this == exception(function(), ExceptionCode::gateway_target_failed_to_respond);
   }
-  [[nodiscard]] Bytes bytes() const { return {bytes_.data(), bytes_.size()}; }
-  [[nodiscard]] std::size_t size() const { return bytes_.size(); }
+  [[nodiscard]] Bytes bytes() const { return {bytes_.data(), size_}; }
+  [[nodiscard]] std::size_t size() const { return size_; }
   /// Overwrites the 16-bit field at `offset`, which must lie inside.
   void set_be16(std::size_t offset, std::uint16_t value) {
-    store_be16({bytes_.data(), bytes_.size()}, offset, value);
+    store_be16({bytes_.data(), size_}, offset, value);
   }
 
-  friend bool operator==(const Pdu&, const Pdu&) = default;
+  friend bool operator==(const Pdu& one, const Pdu& other) {
+    return std::ranges::equal(one.bytes(), other.bytes());
+  }
 
  private:
-  Pdu() = default;
-  boost::container::static_vector<std::uint8_t, kMaxPduSize> bytes_;
+  // Bytes beyond the size have no value, and are not copied.
+  explicit Pdu(Bytes bytes) { assign(bytes); }
+  void assign(Bytes bytes) {
+    std::copy_n(bytes.data(), bytes.size(), bytes_.data());
+    size_ = static_cast<std::uint8_t>(bytes.size());
+  }
+
+  std::array<std::uint8_t, kMaxPduSize> bytes_;
+  std::uint8_t size_;
 };
 
 }  // namespace mbgate::modbus

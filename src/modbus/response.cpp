@@ -12,9 +12,9 @@ using Kind = PduLength::Kind;
 
 PduLength known(std::size_t bytes) { return {Kind::known, bytes}; }
 
-// A byte count at offset 1 counts all that follows it.
-PduLength counted(Bytes prefix) {
-  return prefix.size() < 2 ? PduLength{Kind::need_more} : known(std::size_t{2} + prefix[1]);
+// The byte count at `offset` counts all that follows it.
+PduLength counted_at(Bytes prefix, std::size_t offset) {
+  return prefix.size() <= offset ? PduLength{Kind::need_more} : known(offset + 1 + prefix[offset]);
 }
 
 // 24: a 16-bit byte count (6.18).
@@ -86,15 +86,6 @@ bool repeats(Bytes request, Bytes response, std::size_t bytes) {
   return std::ranges::equal(request.first(bytes), response.first(bytes));
 }
 
-using Kind = PduLength::Kind;
-
-PduLength fixed(std::size_t bytes) { return {Kind::known, bytes}; }
-
-// The byte count at `offset` counts all that follows it.
-PduLength counted_at(Bytes prefix, std::size_t offset) {
-  return prefix.size() <= offset ? PduLength{Kind::need_more} : fixed(offset + 1 + prefix[offset]);
-}
-
 }  // namespace
 
 PduLength response_length(Bytes prefix) {
@@ -110,7 +101,7 @@ PduLength response_length(Bytes prefix) {
     case 0x11:
     case 0x14:
     case 0x15:
-    case 0x17: return counted(prefix);
+    case 0x17: return counted_at(prefix, 1);
     case 0x05:
     case 0x06:
     case 0x0B:
@@ -190,18 +181,18 @@ PduLength request_length(Bytes prefix) {
     case 0x03:
     case 0x04:
     case 0x05:
-    case 0x06: return fixed(5);
+    case 0x06: return known(5);
     case 0x07:
     case 0x0B:
     case 0x0C:
-    case 0x11: return fixed(1);
+    case 0x11: return known(1);
     case 0x0F:
     case 0x10: return counted_at(prefix, 5);
     case 0x14:
     case 0x15: return counted_at(prefix, 1);
-    case 0x16: return fixed(7);
+    case 0x16: return known(7);
     case 0x17: return counted_at(prefix, 9);
-    case 0x18: return fixed(3);
+    case 0x18: return known(3);
     default: return {Kind::opaque};
   }
 }

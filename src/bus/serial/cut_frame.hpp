@@ -34,6 +34,9 @@ class CutFrame {
   /// begin with a valid frame themselves.
   std::optional<Joined> complete(modbus::Bytes bytes, Instant began);
 
+  /// Is nothing kept? Then nothing can be completed.
+  [[nodiscard]] bool empty() const { return kept_.empty(); }
+
  private:
   void clear();
   void make_room(std::size_t size);

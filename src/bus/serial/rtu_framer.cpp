@@ -39,6 +39,9 @@ void RtuFramer::forget() {
 // cannot be known, such as another client's request; not the beginning of one that is longer.
 void RtuFramer::give_up_buffer() {
   const bool is_reported = !std::exchange(answers_another_, false);
+  if (buffer_.size() == 0) {
+    return;
+  }
   const auto whole = buffer_.size() > 1 ? good_frame(buffer_.bytes()) : std::nullopt;
   const bool is_response = whole && whole->is_response && whole->size == buffer_.size();
   if (is_reported && modbus::decode_rtu(buffer_.bytes()) &&
@@ -46,7 +49,7 @@ void RtuFramer::give_up_buffer() {
     note_unsolicited(0, buffer_.size());
   } else {
     counters_.stray_bytes += buffer_.size();
-    if (is_reported && buffer_.size() > 0) {
+    if (is_reported) {
       cut_.keep(buffer_.bytes(), buffer_.came_at(0), buffer_.came_at(buffer_.size() - 1));
     }
   }
@@ -119,7 +122,7 @@ Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
     discard();
   }
   // A cut frame that has lost its last byte must not take that from the answer.
-  if (!looker().is_beginning_of_answer()) {
+  if (!cut_.empty() && !looker().is_beginning_of_answer()) {
     join_cut();
   }
   return discarding_ ? Verdict::none : search(false);

@@ -11,7 +11,8 @@ using modbus::ExceptionCode;
 
 Intake::Front Intake::front(ClientSession& session) {
   // When the gateway stops, or the client goes, all that was read is looked at.
-  while (phase_ != Phase::running || session.is_leaving || !session.is_full()) {
+  while (!session.input.empty() &&
+         (phase_ != Phase::running || session.is_leaving || !session.is_full())) {
     modbus::MbapScan scan = modbus::scan_mbap(session.input.bytes());
     if (auto* frame = std::get_if<modbus::MbapFrame>(&scan)) {
       session.has_asked = true;

@@ -14,8 +14,10 @@ using namespace std::chrono_literals;
 TEST(Heartbeat, TellsOnceForHowLongNothingHasRun) {
   boost::asio::io_context context;
   Heartbeat heartbeat(context, [] {});
-  EXPECT_EQ(heartbeat.missed(now() + 1h), std::nullopt);  // it does not beat yet
+  EXPECT_FALSE(heartbeat.beats());
+  EXPECT_EQ(heartbeat.missed(now() + 1h), std::nullopt);
   heartbeat.beat_while(true);
+  EXPECT_TRUE(heartbeat.beats());
   const bus::Instant later = now() + 10s;
   const auto missed = heartbeat.missed(later);
   ASSERT_TRUE(missed);
