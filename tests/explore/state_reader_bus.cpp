@@ -30,10 +30,9 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   hash.add(last_answered);
   hash.since(answered_at, settings.timing.probe_interval);
   hash.since(other_answered_at, settings.timing.probe_interval);
-  for (const std::optional<bus::Wake>& timer : timers.all_) {
-    hash.add(timer.has_value());
+  for (const bus::Wake& timer : timers.all_) {
     // Perhaps a deadline that nothing comes near to; a longer wait can be read from its reasons.
-    hash.until(timer ? std::min(timer->at, hash.now() + std::chrono::seconds(1)) : hash.now());
+    hash.until(std::min(timer.at, hash.now() + std::chrono::seconds(1)));
   }
   const auto& [of_settings, of_devices, next_probe, others, free_probes, others_gone_at] = probes;
   hash.add(others);

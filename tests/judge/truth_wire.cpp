@@ -87,7 +87,7 @@ void Judge::check_waiting(Id id) {
     const bool asks =
         at ? plan_.stations[*at].bus == sent.bus && plan_.has_failsafe(plan_.stations[*at])
            : asked.intent.kind == Kind::broadcast;
-    return asks && asked.given > before.begin;
+    return asks && asked.given > before.begin - 500ms;  // it may have been read later
   };
   if (sent.begin + kRounding < before.end + limit &&
       std::ranges::none_of(ledger_.asked, drops_failsafe)) {
