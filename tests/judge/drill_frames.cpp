@@ -27,7 +27,7 @@ void drill_noise(Drill& drill, bool trace) {
   }
   const gateway::DeviceStatus device = drill.device(0);
   drill.expect("sent_once", drill.transmissions().size() <= 3 * kAsked + 1);  // a frame by chance
-  drill.equal("responses", device.counters.responses, std::uint64_t{3 * kAsked});
+  drill.equal("responses", device.counters.responses, std::uint64_t{3} * kAsked);
   drill.equal("lost", drill.notices(bus::DeviceNotice::Kind::lost, 0), std::size_t{0});
   drill.expect("well", device.quality.quality == bus::Quality::good);
   const bool has_glitches = drill.plan().bus(0).line.framing == bus::Framing::rtu;

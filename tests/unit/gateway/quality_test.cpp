@@ -115,9 +115,11 @@ TEST_F(JournalOfALine, CallsOnlyADeviceLostThatHasAnswered) {
   rig_.reload(settings);
   rig_.events.clear();
   ask_in_vain(2, "");
-  ask();
-  rig_.respond("01 03 02 12 34");
-  rest();
+  for (int times = 0; times < 2; ++times) {
+    ask();  // the first answer may be late; the second shows that it is not
+    rig_.respond("01 03 02 12 34");
+    rest();
+  }
   ask_in_vain(2, "");
   EXPECT_THAT(rig_.events,
               ElementsAre("device axis: no valid answer came so far, after 2 transmissions",
