@@ -250,13 +250,8 @@ void GatewayDriver::set_timer() {
   if (timer_set_to_ && *timer_set_to_ <= ring) {
     return;
   }
-  // What is further away than the next beat is set then, if it is still wanted: most is not.
-  const bus::Duration after = ring - clock_();
-  if (after > Heartbeat::kBeat && heartbeat_.beats()) {
-    return;
-  }
   timer_set_to_ = ring;
-  timer_.set(after);
+  timer_.set(ring - clock_());
 }
 
 void GatewayDriver::handle_wake() {

@@ -31,8 +31,6 @@ class Heartbeat {
   /// come is handed to the machine.
   std::optional<std::chrono::milliseconds> missed(bus::Instant now);
 
-  [[nodiscard]] bool beats() const { return last_.has_value(); }
-
  private:
   void stop();
   void beat();
