@@ -34,16 +34,18 @@ struct Wake {
   bool ends_silence = false;
 };
 
-/// The earlier of two, either of which may be absent. Of two at the same instant the one that must
-/// not come early.
+/// Is the first one due before the second? Of two at the same instant the one that must not come
+/// early is.
+constexpr bool is_before(const Wake& one, const Wake& other) {
+  return one.at < other.at || (one.at == other.at && !one.ends_silence && other.ends_silence);
+}
+
+/// The earlier of two, either of which may be absent.
 inline std::optional<Wake> earlier(std::optional<Wake> a, std::optional<Wake> b) {
   if (!a || !b) {
     return a ? a : b;
   }
-  if (a->at == b->at) {
-    return a->ends_silence ? b : a;
-  }
-  return a->at < b->at ? a : b;
+  return is_before(*b, *a) ? b : a;
 }
 
 }  // namespace mbgate::bus

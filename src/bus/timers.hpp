@@ -30,7 +30,7 @@ class Timers {
 
   void set(Timer timer, std::optional<Wake> wake) {
     Wake& known = all_.at(static_cast<std::size_t>(timer));
-    known = wake && goes_before(*wake, known) ? *wake : known;
+    known = wake && is_before(*wake, known) ? *wake : known;
   }
   void set(Timer timer, std::optional<Instant> at) {
     if (at) {
@@ -38,18 +38,14 @@ class Timers {
     }
   }
   void clear() { all_.fill(kNever); }
-  /// The first of them. Of two at the same instant the one that must not come early.
+  /// The first of them.
   [[nodiscard]] std::optional<Wake> first() const {
-    const Wake& first = *std::ranges::min_element(all_, goes_before);
+    const Wake& first = *std::ranges::min_element(all_, is_before);
     return first.at == kNever.at ? std::nullopt : std::optional(first);
   }
 
  private:
   static constexpr Wake kNever{Instant::max()};
-  static bool goes_before(const Wake& one, const Wake& other) {
-    return one.at < other.at || (one.at == other.at && !one.ends_silence && other.ends_silence);
-  }
-
   std::array<Wake, kTimers> all_;
 };
 

@@ -19,7 +19,6 @@ std::array<std::string, kAddresses> names_of(std::span<const drive::Device> devi
 
 }  // namespace
 
-// A probe is over soon; but a write that a device which is back carries out waits for its answer.
 TimesInForce DeviceEntry::in_force(const modbus::Request& request, bool hurries) const {
   TimesInForce found{device->timing_of(request)};
   Duration& timeout = found.timing.response_timeout;

@@ -122,9 +122,9 @@ bool Hold::note_asked(const modbus::Request* asked, Instant now, const Timing& t
       return it.is_over && it.asked.pdu() == asked->pdu();
     });
   }
-  is_doubtful_ = is_doubtful_ && !unanswered_.empty();
-  is_decisive_ = is_doubtful_ && asked != nullptr && asked->is_read();
-  is_doubtful_ = is_doubtful_ && !is_decisive_;
+  const bool is_in_doubt = is_doubtful_ && !unanswered_.empty();
+  is_decisive_ = is_in_doubt && asked != nullptr && asked->is_read();
+  is_doubtful_ = is_in_doubt && !is_decisive_;
   pending_.reset();
   suspected_ = Duration{0};
   if (asked != nullptr) {

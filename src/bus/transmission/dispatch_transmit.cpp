@@ -107,8 +107,9 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
     const bool is_decisive = note_asked(transmission, now);
     const bool is_offline = entry.health.is_offline();
     transmission.is_probe = !transmission.is_stop() && (is_offline || is_decisive);
+    // A write as the probe does not: a device that is back may carry it out, and then answers.
     const bool hurries =
-        transmission.is_stop() ? is_offline : transmission.is_probe && sent.request.is_read();
+        (transmission.is_stop() && is_offline) || (transmission.is_probe && sent.request.is_read());
     const TimesInForce times = entry.in_force(sent.request, hurries);
     timing = times.timing;
     transmission.hurried_by = times.hurried_by;
