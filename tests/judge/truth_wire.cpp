@@ -2,6 +2,7 @@
 // One transaction at a time on a line, with the silence that the standard requires (promise 1), and
 // a drive that may still answer is left alone (promise 5 in docs/behaviour.md).
 #include <algorithm>
+#include <ranges>
 
 #include "judge/judge.hpp"
 
@@ -140,24 +141,24 @@ void Judge::check_crawl(Id id) {
                     std::ranges::any_of(ledger_.last_sent[*sent.station], [&](Id it) {
                       return it != id && ledger_.sent[it].answered > before.begin;
                     });
-  if (owes) {
-    return;
-  }
   const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*before.station]);
-  Instant from = std::max({before.crawls, ledger_.asked[sent.asked.front()].given, ledger_.reloaded,
-                           before.end + timing.response_timeout});
-  // Behind others of its connection it may have waited for its turn (`pipeline`), till just now.
-  for (Id it = 0; it < sent.asked.front(); ++it) {
-    const Asked& other = ledger_.asked[it];
-    if (other.connection == ledger_.asked[sent.asked.front()].connection) {
-      from = std::max(from, other.answers > 0 ? other.answered : sent.begin);
+  const Asked& asked = ledger_.asked[sent.asked.front()];
+  Instant from = std::max(
+      {before.crawls, asked.given, ledger_.reloaded, before.end + timing.response_timeout});
+  // Behind others of its connection it may have waited for its turn, or does so till just now.
+  std::size_t ahead = 0;
+  for (const Asked& other : ledger_.asked | std::views::take(sent.asked.front())) {
+    if (other.connection == asked.connection) {
+      from = std::max(from, other.answers > 0 ? other.answered : from);
+      ahead += other.answers > 0 || other.dropped ? 0U : 1U;
     }
   }
   // Its own drive is left alone for the tail besides, and may have shown how long that must be.
   const Duration tail =
       before.station == sent.station ? timing.response_timeout + timing.quarantine_max : 0ms;
   const Duration bound = WireTimes(plan_.bus(sent.bus).line).of(kAsciiFrame) + 1s + tail + 1s;
-  if (sent.begin > from + bound) {
+  const bool has_turn = ahead < plan_.settings.listeners[door_of(asked).listener].pipeline;
+  if (sent.begin > from + bound && has_turn && !owes) {
     violation("held_by_a_crawl", name(sent) + " behind " + name(before) + ", after " +
                                      std::to_string((sent.begin - from) / 1ms) + " ms");
   }
