@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "modbus/response.hpp"
+
 namespace mbgate::bus {
 
 OwedAnswers::iterator first_fit(OwedAnswers& owed, const modbus::Pdu& response) {

@@ -125,7 +125,6 @@ class Abusers:
             network = "127.0.1" if kind == "refused" else "127.0.0"
             command = [sys.executable, PROGRAM, kind, "--port", str(target), "--address", f"{network}.{10 + number}"]
             command += ["--identity", folder / "abuser"]
-            command += ["--idle"] if RATIO else []
             self._running[kind] = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         for abuser in self._running.values():
             assert abuser.stdout.readline() == "connected\n"

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """Clients as nobody wants them, each kind a process of its own: `abusers.py KIND --port P --address A`. It goes on until
-SIGTERM, and prints then how often it did what. It stands for another computer: it has an address of its own, and with
-`--idle` it runs only when this one has nothing else to do.
+SIGTERM, and prints then how often it did what. It stands for another computer: it has an address of its own, and hardly
+takes time from a process that is not as nice.
 
 The kinds of TLS_KINDS are for the port of a TLS listener; `tls_renegotiates` and `tls_without_data` have a certificate
 (`--identity`), and the first needs openssl."""
@@ -338,10 +338,8 @@ def main():
     options.add_argument("--port", type=int, required=True)
     options.add_argument("--address", required=True)
     options.add_argument("--identity", help="the files of its certificate and key, without .crt and .key")
-    options.add_argument("--idle", action="store_true")
     chosen = options.parse_args()
-    if chosen.idle:
-        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
+    os.nice(19)
     abuser = Abuser(chosen)
     signal.signal(signal.SIGTERM, end)
     with contextlib.suppress(Ended):
