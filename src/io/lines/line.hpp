@@ -94,15 +94,17 @@ std::unique_ptr<Line> make_line(const LineContext& context, drive::BusId bus,
 /// So much of a line is read at once: a framer has room for that behind a frame that has begun.
 inline constexpr std::size_t kLineReadSize = 2 * modbus::kMaxRtuSize;
 
-/// Reads at most `left` bytes, in pieces that fit `buffer`. `read` gets the buffer and does what
-/// ::read() does. `hand_over` gets the bytes that came, and returns whether the line is still the
-/// same. Returns why the line is dead: an errno, or eof; no error otherwise.
-template <class Read, class HandOver>
-[[nodiscard]] boost::system::error_code read_waiting(std::span<std::uint8_t> buffer,
-                                                     std::size_t left, Read read,
-                                                     HandOver hand_over) {
-  while (left > 0) {
-    const auto count = read(buffer.first(std::min(left, buffer.size())));
+/// Reads in pieces that fit `buffer`: one, unless that is full; then `available` says how many
+/// bytes are left. `read` gets the buffer and does what ::read() does. `hand_over` gets the bytes
+/// that came, and returns whether the line is still the same. Returns why the line is dead: an
+/// errno, or eof; no error otherwise.
+template <class Read, class Available, class HandOver>
+[[nodiscard]] boost::system::error_code read_waiting(std::span<std::uint8_t> buffer, Read read,
+                                                     Available available, HandOver hand_over) {
+  bool asked = false;
+  for (std::size_t left = buffer.size(); left > 0;) {
+    const auto room = buffer.first(std::min(left, buffer.size()));
+    const auto count = read(room);
     if (count == 0) {
       return boost::asio::error::make_error_code(boost::asio::error::eof);
     }
@@ -112,10 +114,10 @@ template <class Read, class HandOver>
                  : boost::system::error_code(errno, boost::system::system_category());
     }
     const auto bytes = static_cast<std::size_t>(count);
-    left -= bytes;
-    if (!hand_over(modbus::Bytes(buffer).first(bytes))) {
+    if (!hand_over(modbus::Bytes(buffer).first(bytes)) || bytes < room.size()) {
       break;
     }
+    left = std::exchange(asked, true) ? left - bytes : available();
   }
   return {};
 }

@@ -3,7 +3,6 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <cerrno>
 #include <chrono>
@@ -111,6 +110,7 @@ std::optional<std::string> SerialLine::transmit(modbus::Bytes frame) {
   if (state_ != State::open) {
     return settings_.device + ": the line is not open";
   }
+  has_sent_all_ = false;
   std::optional<std::string> error;
   if (transmitting_) {
     error = settings_.device + ": the previous frame is still not transmitted";
@@ -152,11 +152,9 @@ boost::asio::awaitable<void> SerialLine::read_loop(unsigned generation) {
     if (error == operation_aborted || generation != generation_) {
       co_return;
     }
-    if (error) {
-      lose_reading(error);
-      co_return;
+    if (const auto lost = error ? error : read()) {
+      lose_reading(lost);
     }
-    read(std::max<std::size_t>(sys::bytes_to_read(descriptor_.native_handle()), 1));
     if (generation != generation_) {
       co_return;
     }
@@ -167,32 +165,31 @@ bool SerialLine::has_bytes() {
   return state_ == State::open && sys::bytes_to_read(descriptor_.native_handle()) > 0;
 }
 
+// That the line is dead, read_loop() notices. A driver that holds nothing more has nothing to be
+// asked about until the next frame.
 void SerialLine::read_now() {
   if (state_ == State::open) {
-    read(sys::bytes_to_read(descriptor_.native_handle()));
+    static_cast<void>(read());
   }
-  if (state_ != State::open) {
+  if (state_ != State::open || has_sent_all_) {
     return;
   }
   const std::size_t unsent = sys::bytes_to_send(descriptor_.native_handle()) + rest_.size();
+  has_sent_all_ = unsent == 0;
   if (std::exchange(unsent_, unsent) != unsent) {
     context_.events.line_unsent(bus_, unsent);
   }
 }
 
-void SerialLine::read(std::size_t left) {
-  const auto error = read_waiting(
-      buffer_, left,
-      [fd = descriptor_.native_handle()](auto room) {
-        return ::read(fd, room.data(), room.size());
-      },
+boost::system::error_code SerialLine::read() {
+  const int fd = descriptor_.native_handle();
+  return read_waiting(
+      buffer_, [fd](auto room) { return ::read(fd, room.data(), room.size()); },
+      [fd] { return sys::bytes_to_read(fd); },
       [this, generation = generation_](modbus::Bytes bytes) {
         context_.events.line_bytes(bus_, bytes);
         return generation == generation_;
       });
-  if (error) {
-    lose_reading(error);
-  }
 }
 
 boost::asio::awaitable<void> SerialLine::write_rest(unsigned generation) {

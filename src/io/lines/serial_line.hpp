@@ -43,7 +43,7 @@ class SerialLine final : public Line {
                    unsigned generation);
   void close_elsewhere(sys::UniqueFd fd, const bus::LineSettings& opened);
   void lose(const std::string& why);
-  void read(std::size_t left);
+  [[nodiscard]] boost::system::error_code read();
   void lose_reading(const boost::system::error_code& error);
   [[nodiscard]] std::string error_text(const char* action, int error) const;
 
@@ -60,6 +60,7 @@ class SerialLine final : public Line {
   unsigned generation_ = 0;
   bus::FrameBytes rest_;       ///< not taken by the driver yet
   std::size_t unsent_ = 0;     ///< what the driver held when it was asked last
+  bool has_sent_all_ = false;  ///< it held nothing then, and was given nothing since
   bool transmitting_ = false;  ///< a rest is left, or RTS is raised
   std::array<std::uint8_t, kLineReadSize> buffer_{};
 };

@@ -185,11 +185,14 @@ void TcpLine::read_now() {
   if (state_ != State::open) {
     return;
   }
-  error_code ignored;
   const auto error = read_waiting(
-      buffer_, std::max<std::size_t>(socket_.available(ignored), 1),
+      buffer_,
       [fd = socket_.native_handle()](auto room) {
         return ::recv(fd, room.data(), room.size(), MSG_DONTWAIT);
+      },
+      [this] {
+        error_code ignored;
+        return socket_.available(ignored);
       },
       [this, generation = generation_](modbus::Bytes bytes) {
         context_.events.line_bytes(bus_, bytes);

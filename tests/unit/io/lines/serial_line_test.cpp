@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <filesystem>
@@ -53,6 +54,43 @@ class SerialLineTest : public testing::Test, public LineEvents {
 
 const std::array<std::uint8_t, 4> kFrame{1, 2, 3, 4};
 const std::string kFrameText{1, 2, 3, 4};
+
+/// A peer that sends as many bytes again as are read.
+struct NeverSilent {
+  std::array<std::uint8_t, 4> buffer{};
+  std::vector<std::size_t> handed_over;
+  int asked = 0;
+
+  boost::system::error_code read_while_there_are(std::size_t limit) {
+    return read_waiting(
+        buffer,
+        [&](std::span<std::uint8_t> room) {
+          return static_cast<ssize_t>(std::min(room.size(), limit));
+        },
+        [&] {
+          ++asked;
+          return limit;
+        },
+        [&](modbus::Bytes bytes) {
+          handed_over.push_back(bytes.size());
+          return true;
+        });
+  }
+};
+
+TEST(ReadWaiting, ReadsOnceWhatFitsItsBuffer) {
+  NeverSilent peer;
+  EXPECT_FALSE(peer.read_while_there_are(3));
+  EXPECT_EQ(peer.handed_over, std::vector<std::size_t>({3}));
+  EXPECT_EQ(peer.asked, 0);
+}
+
+TEST(ReadWaiting, ReadsBehindAFullBufferWhatWasThereThen) {
+  NeverSilent peer;
+  EXPECT_FALSE(peer.read_while_there_are(10));
+  EXPECT_EQ(peer.handed_over, std::vector<std::size_t>({4, 4, 4, 2}));
+  EXPECT_EQ(peer.asked, 1);
+}
 
 // A reload may give a port to another bus.
 TEST_F(SerialLineTest, WaitsUntilAnotherLineHasGivenBackItsPort) {
