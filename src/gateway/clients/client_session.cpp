@@ -107,30 +107,40 @@ AnswerId DueAnswers::open() {
   return AnswerId{first_held_ + held_.size() - 1};
 }
 
-DueAnswers::Ready DueAnswers::close(AnswerId id, const std::optional<modbus::MbapBytes>& adu) {
+DueAnswers::Ready DueAnswers::close(AnswerId id, const std::optional<Answer>& answer,
+                                    bus::Instant now) {
   Ready ready;
+  const auto send = [&](const std::optional<Answer>& it) {
+    if (it && now <= it->until) {
+      ready.push_back(it->adu);
+    }
+  };
   if (!ordered_) {
     MBGATE_ASSERT(open_ > 0, "one answer for each request");
     --open_;
-    if (adu) {
-      ready.push_back(*adu);
-    }
+    send(answer);
   } else {
     const auto place = static_cast<std::size_t>(static_cast<std::uint64_t>(id) - first_held_);
     MBGATE_ASSERT(place < held_.size() && !held_[place].done, "one answer for each request");
     Held& held = held_[place];
     held.done = true;
-    held.adu = adu;
+    held.answer = answer;
     while (!held_.empty() && held_.front().done) {
-      if (held_.front().adu) {
-        ready.push_back(*held_.front().adu);
-      }
+      send(held_.front().answer);
       held_.pop_front();
       ++first_held_;
     }
   }
   unsent_ += ready.size();
   return ready;
+}
+
+void DueAnswers::drop_waiting() {
+  for (Held& held : held_) {
+    if (held.answer && !held.answer->is_stops) {
+      held.answer.reset();
+    }
+  }
 }
 
 void DueAnswers::confirm_sent() {

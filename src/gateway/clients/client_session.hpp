@@ -35,16 +35,24 @@ class DueAnswers {
 
   /// A request was taken: its answer is due.
   AnswerId open();
-  /// `adu`: the answer; nothing: there will be none. Returns the ADUs that are to be sent now: with
+  struct Answer {
+    modbus::MbapBytes adu;
+    bus::Instant until = bus::Instant::max();  ///< then its client has given up
+    bool is_stops = false;
+  };
+  /// Without an answer: there will be none. Returns the ADUs that are to be sent now: with
   /// `ordered = true` an answer waits for those before it.
-  Ready close(AnswerId id, const std::optional<modbus::MbapBytes>& adu);
+  Ready close(AnswerId id, const std::optional<Answer>& answer, bus::Instant now);
+  /// The client does not want the answers any more that wait for those before them. Those to stops
+  /// stay.
+  void drop_waiting();
   /// An answer has been completely written.
   void confirm_sent();
 
  private:
   struct Held {
     bool done = false;
-    std::optional<modbus::MbapBytes> adu;
+    std::optional<Answer> answer;
   };
 
   bool ordered_;

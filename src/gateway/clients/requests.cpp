@@ -47,6 +47,12 @@ AskedTrace trace_of(const ClientSession& session, const Request& request) {
   return asked;
 }
 
+// A client that has given up may take an answer for that to its next request.
+Instant wanted_until(const ClientSession& session, Instant arrival) {
+  const Duration give_up = session.listener().give_up;
+  return give_up > Duration{0} ? arrival + give_up : Instant::max();
+}
+
 }  // namespace
 
 void Requests::accept(ClientSession& session, Request& request, Instant now) {
@@ -78,7 +84,9 @@ void Requests::answer_at_once(ClientSession& session, const Request& request,
     asked.answered_at = now;
     trace_.refused(std::move(asked));
   }
-  send(session, session.answers.open(), adu);
+  const DueAnswers::Answer encoded{modbus::encode(adu), wanted_until(session, request.read_at),
+                                   request.is_stop};
+  send(session, session.answers.open(), encoded, now);
 }
 
 void Requests::begin(ClientSession& session, Request& request, Instant now) {
@@ -133,7 +141,8 @@ void Requests::place_answer(ClientSession& session, std::uint32_t index) {
   exchanges_[index].answer = session.answers.open();
 }
 
-// A dumb session asks again on the same connection once it has given up (`one_at_a_time`).
+// A dumb session asks again on the same connection once it has given up (`one_at_a_time`). It takes
+// an answer to what it asked before for that to its next request.
 void Requests::replace_unanswered(ClientSession& session, bool is_stop) {
   if (!session.listener().one_at_a_time || is_stop) {
     return;
@@ -144,13 +153,7 @@ void Requests::replace_unanswered(ClientSession& session, bool is_stop) {
       exchanges_.cancel(index);
     }
   }
-}
-
-// After the client's own timeout, or once it has asked something else, it takes an answer for that
-// to its next request.
-bool Requests::is_wanted(const Exchange& exchange, Instant now) const {
-  const Duration give_up = settings_.settings().listener(exchange.listener).give_up;
-  return !exchange.is_replaced && (give_up == Duration{0} || now <= exchange.arrival + give_up);
+  session.answers.drop_waiting();
 }
 
 // Beyond `pipeline` requests are held here, in their order; stops are not.
@@ -271,15 +274,19 @@ void Requests::complete(std::uint32_t index, Instant now) {
       sessions_.counters(exchange.listener)
           .note_refused(exchange.plan->is_read(), code_of(adu->pdu));
     }
-    send(*session, exchange.answer, is_wanted(exchange, now) ? adu : std::nullopt);
+    std::optional<DueAnswers::Answer> answer;
+    if (adu && !exchange.is_replaced) {
+      answer = {modbus::encode(*adu), wanted_until(*session, exchange.arrival),
+                exchange.has_stop()};
+    }
+    send(*session, exchange.answer, answer, now);
     start_held(*session, now);
   }
 }
 
-void Requests::send(ClientSession& session, AnswerId answer,
-                    const std::optional<modbus::MbapAdu>& adu) {
-  const auto bytes = adu ? std::optional(modbus::encode(*adu)) : std::nullopt;
-  for (const modbus::MbapBytes& ready : session.answers.close(answer, bytes)) {
+void Requests::send(ClientSession& session, AnswerId id,
+                    const std::optional<DueAnswers::Answer>& answer, Instant now) {
+  for (const modbus::MbapBytes& ready : session.answers.close(id, answer, now)) {
     actions_.push(Send{session.id(), ready});
   }
   sessions_.wake(session);

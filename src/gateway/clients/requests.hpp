@@ -54,13 +54,13 @@ class Requests {
   [[nodiscard]] bool is_withdrawn(const ClientSession& session, const Exchange& exchange,
                                   Instant now) const;
   void replace_unanswered(ClientSession& session, bool is_stop);
-  [[nodiscard]] bool is_wanted(const Exchange& exchange, Instant now) const;
   void place_answer(ClientSession& session, std::uint32_t index);
   void start_or_hold(ClientSession& session, std::uint32_t index, bool is_stop, Instant now);
   void start_held(ClientSession& session, Instant now);
   [[nodiscard]] modbus::Pdu answer_of_gateway(const ClientSession& session, const Request& request,
                                               Instant now);
-  void send(ClientSession& session, AnswerId answer, const std::optional<modbus::MbapAdu>& adu);
+  void send(ClientSession& session, AnswerId id, const std::optional<DueAnswers::Answer>& answer,
+            Instant now);
 
   const SettingsHistory& settings_;
   BusSet& buses_;

@@ -18,7 +18,7 @@ class PausedSession : public testing::Test {
     EXPECT_EQ(session_.update_reading(now), ClientSession::Reading::pause);
   }
   void resume_at(Instant now) {
-    session_.answers.close(open_.back(), std::nullopt);
+    session_.answers.close(open_.back(), std::nullopt, now);
     open_.pop_back();
     EXPECT_EQ(session_.update_reading(now), ClientSession::Reading::resume);
   }

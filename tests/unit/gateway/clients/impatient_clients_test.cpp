@@ -41,6 +41,18 @@ TEST(GiveUp, NoAnswerGoesOutAfterIt) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 05 01 03 02 00 01"));
 }
 
+TEST(GiveUp, NoAnswerGoesOutAfterItThatWaitedForTheOneBefore) {
+  Settings settings = impatient_plant();
+  settings.listeners[0].ordered = true;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, read_request(1));
+  rig.receive(1, read_request(2, 77));  // a unit that leads nowhere
+  rig.advance(60ms);
+  rig.respond("01 03 02 00 01");
+  EXPECT_THAT(rig.take_sent(1), IsEmpty());
+}
+
 class OneAtATime : public testing::Test {
  protected:
   OneAtATime() { rig_.connect(1); }
@@ -86,6 +98,21 @@ TEST_F(OneAtATime, AStopIsNotReplacedAndReplacesNothing) {
   rig_.respond("01 03 02 00 01");
   EXPECT_THAT(rig_.take_sent(1),
               ElementsAre(written(2, 1, true), "00 03 00 00 00 05 01 03 02 00 01"));
+}
+
+TEST(OneAtATimeInOrder, AnAnswerThatWaitsForTheOneBeforeIsDroppedToo) {
+  Settings settings = stop_plant(64);
+  settings.listeners[0].one_at_a_time = settings.listeners[0].ordered = true;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, read_request(1));
+  rig.receive(1, read_request(2, 77));  // a unit that leads nowhere: it replaces nothing
+  rig.advance(10ms);
+  rig.receive(1, write_request(3));
+  rig.respond("01 03 02 00 01");
+  rig.advance(10ms);
+  rig.respond(kWrite1);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre(written(3)));
 }
 
 }  // namespace
