@@ -107,9 +107,15 @@ void Judge::check_rest() {
   check_failsafe_done();
   check_shares();
   std::ranges::for_each(waits_, [this](const auto& wait) { check_heard(wait.first); });
+  // Stops of a storm may still wait when their clients go.
   for (const Asked& asked : ledger_.asked) {
-    const bool is_waiting = asked.given != kNever && !asked.dropped && asked.answers == 0;
-    if (is_waiting && asked.intent.answer_due) {
+    const Connection& connection = ledger_.connections[asked.connection];
+    const auto& listener = plan_.settings.listeners[connection.listener];
+    const bool has_waited = connection.gone == ledger_.rested && connection.half_closed == kNever &&
+                            asked.given < ledger_.rested && !asked.given_up &&
+                            !listener.one_at_a_time;
+    if (has_waited && asked.answers == 0 && asked.intent.answer_due &&
+        asked.intent.kind != Kind::stop) {
       violation("unanswered", name(asked));
     }
   }

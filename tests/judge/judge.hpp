@@ -109,7 +109,10 @@ class Judge : public Witness {
   /// As the settings in force have it.
   [[nodiscard]] Duration deadline_of(const Asked& asked) const {
     const Door& door = door_of(asked);
-    return asked.intent.kind == Kind::read ? door.read_deadline : door.write_deadline;
+    const Duration limit =
+        asked.intent.kind == Kind::read ? door.read_deadline : door.write_deadline;
+    const Duration give_up = plan_.settings.listeners[door.listener].give_up;
+    return give_up > Duration{0} ? std::min(limit, give_up) : limit;
   }
   [[nodiscard]] Instant now() const { return world_.now(); }
 

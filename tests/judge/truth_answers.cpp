@@ -245,7 +245,7 @@ void Judge::note_wrong(const Asked& asked, const char* kind) {
   const auto last = std::find_if(came.rbegin(), came.rend(), [&](const Came& it) {
     return it.answers != kNone && ledger_.sent[it.answers].station == at;
   });
-  if (plan_.is_tcp(station.bus) || last == came.rend()) {
+  if (plan_.has_identifiers(station.bus) || last == came.rend()) {
     violation(kind, name(asked));
     return;
   }

@@ -9,7 +9,9 @@ namespace mbgate::judge {
 
 void RulesJudge::note_due(Id id) {
   const Asked& asked = ledger_.asked[id];
-  if (plan_.settings.listeners[connection_of(asked).listener].ordered && asked.intent.answer_due) {
+  const auto& listener = plan_.settings.listeners[connection_of(asked).listener];
+  const bool answers_all = listener.give_up == Duration{0} && !listener.one_at_a_time;
+  if (listener.ordered && answers_all && asked.intent.answer_due) {
     due_[asked.connection].push_back(id);
   }
 }

@@ -100,7 +100,7 @@ void Judge::check_waiting(Id id) {
 
 void Judge::check_hold(Id id) {
   const Sent& sent = ledger_.sent[id];
-  if (!sent.station || sent.is_stop || sent.is_failsafe || plan_.is_tcp(sent.bus)) {
+  if (!sent.station || sent.is_stop || sent.is_failsafe || plan_.has_identifiers(sent.bus)) {
     return;
   }
   const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*sent.station]);

@@ -67,6 +67,9 @@ class Client {
   [[nodiscard]] bool is_waiting_enough() const;
   void be_patient(Id asked);
   void lose_patience(Id asked);
+  /// No answer to it may come any more.
+  void forget(Id asked);
+  void forget_before(Id asked);
   void push(std::size_t bytes);
   void become_ready();
   void feed();
@@ -77,6 +80,9 @@ class Client {
   void half_close();
   void be_gone(bool by_gateway);
   void reconnect_later();
+  [[nodiscard]] const gateway::ListenerSettings& listener() const {
+    return tools_.plan.settings.listeners[manners_.listener];
+  }
   [[nodiscard]] std::function<void()> while_alive(std::function<void()> what);
 
   Manners manners_;

@@ -8,6 +8,8 @@
 
 namespace mbgate::world {
 
+using namespace std::chrono_literals;
+
 void Client::push(std::size_t bytes) {
   const auto end = unwritten_.begin() + static_cast<std::ptrdiff_t>(bytes);
   socket_.insert(socket_.end(), unwritten_.begin(), end);
@@ -48,8 +50,12 @@ void Client::read_some() {
   read_ += size;
   while (!marks_.empty() && marks_.front().end <= read_) {
     tools_.ledger.asked[marks_.front().asked].given = tools_.schedule.now();
-    tools_.given(marks_.front().asked);
+    const Id id = marks_.front().asked;
+    tools_.given(id);
     marks_.pop_front();
+    if (const Duration give_up = listener().give_up; give_up > Duration{0}) {
+      tools_.schedule.after(give_up + 1us, while_alive([this, id] { forget(id); }));
+    }
   }
   tools_.hand_in(gateway::ClientBytes{number(), piece, socket_.size()});
 }
@@ -87,11 +93,38 @@ void Client::take(Bytes adu) {
     asked.answered = tools_.schedule.now();
     asked.answer.assign(adu.begin() + 7, adu.end());
     tools_.answered(id);
+    if (listener().one_at_a_time && asked.answer[0] < 0x80) {
+      forget_before(id);
+    }
   }
   ++unconfirmed_;
   if (!stalled_) {
     tools_.driver.soon(while_alive([this] { confirm(); }));
   }
+}
+
+void Client::forget(Id id) {
+  Asked& asked = tools_.ledger.asked[id];
+  if (open_.erase(asked.transaction) > 0) {
+    tools_.report.fault("not_answered");
+    asked.given_up = true;
+    asked.dropped = asked.sent.empty();
+  }
+}
+
+// A request that was carried out has replaced those before it.
+void Client::forget_before(Id id) {
+  const auto may_be_replaced = [this](Id it) {
+    const Kind kind = tools_.ledger.asked[it].intent.kind;
+    return kind == Kind::read || kind == Kind::write;  // stops may also be broadcasts
+  };
+  std::vector<Id> replaced;
+  for (const auto& [transaction, other] : open_) {
+    if (other < id && may_be_replaced(other) && may_be_replaced(id)) {
+      replaced.push_back(other);
+    }
+  }
+  std::ranges::for_each(replaced, [this](Id it) { forget(it); });
 }
 
 void Client::confirm() {

@@ -80,6 +80,7 @@ struct Asked {
   Octets answer{};
   unsigned answers = 0;
   bool dropped = false;           ///< its connection has gone
+  bool given_up = false;          ///< its client does not wait any more
   bool outdated = false;          ///< a reload gave its unit another meaning meanwhile
   bool perhaps_outdated = false;  ///< the same before the gateway had it
   bool withdrawn = false;         ///< a reload has taken the right to it, before it went anywhere
@@ -166,7 +167,8 @@ struct Ledger {
   Instant started{};  ///< the process
   Instant reloaded = Instant::min();
   Instant stopping = kNever;
-  bool calm = false;  ///< faults have stopped
+  bool calm = false;        ///< faults have stopped
+  Instant rested = kNever;  ///< a minute later, when all clients go
 };
 
 /// In place of a station: all drives of a bus, for broadcasts.

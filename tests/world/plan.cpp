@@ -147,6 +147,14 @@ void Draw::draw_server(bus::BusSettings& bus, LinePlan& line) {
   line.stray = some();
   line.closes_after = random_.one_of({0U, some(), 300U});
   line.idle_close = every(20ms, 2s);
+  constexpr std::uint64_t kIdentifiersChance = 0x4944454EULL;
+  if (Random(plan_.seed ^ (kIdentifiersChance + plan_.lines.size())).chance(250)) {
+    line.keeps_identifiers = bus.check_transaction = false;
+    bus.outstanding = 1;
+    bus.check_unit = true;
+    line.other_unit = std::min(line.other_unit, most_);
+    line.other_identifier = line.stray = 0;
+  }
 }
 
 void Draw::add_station(std::size_t bus, std::uint8_t address) {

@@ -77,6 +77,7 @@ struct LinePlan {
   Duration stalls_every{0};  ///< it keeps what is sent, and sends it when it goes on
   bool tells_unsent = true;  ///< the driver says what it still holds
   // Of a Modbus TCP server, in thousandths of answers:
+  bool keeps_identifiers = true;  ///< or each answer has the identifier 0
   unsigned other_identifier = 0;
   unsigned other_unit = 0;
   unsigned wrong_length = 0;
@@ -166,6 +167,10 @@ struct Plan {
   [[nodiscard]] const gateway::BusSettings& bus(std::size_t at) const { return settings.buses[at]; }
   [[nodiscard]] bool is_tcp(std::size_t at) const {
     return bus(at).line.framing == bus::Framing::tcp;
+  }
+  /// Can answers be told apart by an identifier?
+  [[nodiscard]] bool has_identifiers(std::size_t at) const {
+    return is_tcp(at) && lines[at].keeps_identifiers;
   }
   [[nodiscard]] const drive::Device* device_of(const Station& station) const {
     return station.device ? &settings.devices[*station.device] : nullptr;

@@ -35,6 +35,10 @@ void draw_clients(Plan& plan, Random& random) {
       manners.patience = random.duration(50ms, 2s);
       manners.repeats = random.chance(500);
     }
+    const auto& listener = plan.settings.listeners[manners.listener];
+    if (listener.one_at_a_time && manners.patience == Duration{0}) {
+      manners.patience = 1s;
+    }
     plan.clients.push_back(manners);
   }
 }

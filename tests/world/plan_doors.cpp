@@ -16,6 +16,7 @@ constexpr unsigned kFirstUnit = 1;
 constexpr std::uint64_t kRangesChance = 0x52414E47ULL;
 constexpr std::uint64_t kFormsChance = 0x464F524DULL;
 constexpr std::uint64_t kGapsChance = 0x47415053ULL;
+constexpr std::uint64_t kTimeoutsChance = 0x54494D45ULL;
 
 void add_listeners(Plan& plan, Random& random) {
   auto& listeners = plan.settings.listeners;
@@ -52,6 +53,15 @@ void add_listeners(Plan& plan, Random& random) {
       }
     }
     listener.read_only = networks_of(readers);
+  }
+}
+
+// What the gateway knows of the timeouts of a listener's clients.
+void draw_timeouts(Plan& plan) {
+  Random random(plan.seed ^ kTimeoutsChance);
+  for (auto& listener : plan.settings.listeners) {
+    listener.give_up = random.chance(120) ? random.duration(500ms, 3s) : 0ms;
+    listener.one_at_a_time = random.chance(120);
   }
 }
 
@@ -185,6 +195,7 @@ void draw_doors(Plan& plan, Random& random) {
   draw_forms(plan);
   draw_gaps(plan);
   add_listeners(plan, random);
+  draw_timeouts(plan);
   unsigned unit = kFirstUnit;
   for (std::size_t at = 0; at < plan.stations.size(); ++at) {
     for (unsigned count = random.between(1U, 2U); count > 0; --count) {

@@ -146,6 +146,7 @@ void Server::say(Id id, const Octets& pdu, bool fits, bool is_second) {
   if (is_mute_ || !is_open_ || is_of_before) {  // it goes to the connection that has asked
     return;
   }
+  const std::uint16_t identifier = plan_.keeps_identifiers ? sent.identifier : 0;
   auto unit = sent.address;
   if (happens(plan_.other_unit, "other_unit")) {
     unit ^= 0xFFU;
@@ -158,7 +159,7 @@ void Server::say(Id id, const Octets& pdu, bool fits, bool is_second) {
   came.answers = id;
   came.is_second = is_second;
   came.fits = fits;
-  Octets adu = tcp_adu(sent.identifier, unit, pdu);
+  Octets adu = tcp_adu(identifier, unit, pdu);
   if (happens(plan_.other_identifier, "other_identifier")) {
     adu = tcp_adu(static_cast<std::uint16_t>(sent.identifier ^ 0x1234U), unit, pdu);
     came.fits = false;

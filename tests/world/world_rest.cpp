@@ -29,6 +29,7 @@ void World::come_to_rest() {
     rename_devices();
     run_for(1s);
   }
+  ledger_.rested = schedule_.now();
   for (Client& client : clients_) {
     client.leave();
   }
