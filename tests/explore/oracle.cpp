@@ -162,6 +162,7 @@ void Oracle::note_frame(Flight& flight, Instant now) {
   book.answers_twice = book.answers_twice || flight.heard;
   is_disturbed_ = is_disturbed_ || flight.heard;
   flight.heard = true;
+  longest_answer_ = std::max(longest_answer_, now - flight.left);
   forget(flight.device, now);
   const auto fits = [&](const Flight& it) {
     return it.open && it.device == flight.device && looks_alike(it.word, flight.word) &&

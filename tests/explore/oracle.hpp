@@ -152,6 +152,7 @@ class Oracle {
   std::uint64_t events_ = 0;
   bool is_disturbed_ = false;
   unsigned learning_ = 0;
+  Duration longest_answer_{0};
   std::string violation_;
 };
 

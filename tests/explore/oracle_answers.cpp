@@ -152,7 +152,9 @@ void Oracle::check_waiting(const Request& request, Instant now) {
     }
     return;
   }
-  const Duration cut = plant_.bus().stop_wait + slack_ + kFrames;
+  // A stop waits for a running answer twice as long as such a device has needed.
+  const Duration learned = std::min(2 * longest_answer_, timing().response_timeout);
+  const Duration cut = std::max(plant_.bus().stop_wait, learned) + slack_ + kFrames;
   if (request.sent == 0 && now > request.since + request.rivals * cut + delay) {
     report("a stop waits for too long");
   }

@@ -46,6 +46,7 @@ void Oracle::read(StateHash& hash) const {
   }
   std::ranges::for_each(books_, [&](const Book& book) { read(book, hash); });
   hash.since(quiet_, silence_ + Duration{1});
+  hash.add(std::min(longest_answer_, timing().response_timeout));
 }
 
 void Oracle::read(const Flight& flight, StateHash& hash) const {
