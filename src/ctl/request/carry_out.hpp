@@ -67,10 +67,8 @@ std::string read_report(const ReadCommand& command, std::span<const std::uint64_
 /// {"unit":1,"table":"holding","address":30,"written":1}.
 std::string write_report(const WriteCommand& command);
 
-/// {"error":"...","exception":11}, the second only if an exception came.
-std::string failure_json(const Failure& failure);
-
-/// Prints a failure in words to `errors`, or as JSON to `out`. Returns its exit status.
+/// Prints a failure in words to `errors`, or as JSON to `out`: {"error":"...","exception":11}, the
+/// second only if an exception came. Returns its exit status.
 int report_failure(const Failure& failure, bool as_json, std::ostream& out, std::ostream& errors);
 
 }  // namespace mbgate::ctl

@@ -54,10 +54,9 @@ modbus::Request write_registers(const WriteCommand& command) {
     return modbus::make_single_write(Table::holding_registers, command.place.address,
                                      registers.front());
   }
-  std::vector<std::uint8_t> bytes;
-  for (const auto value : registers) {
-    bytes.push_back(static_cast<std::uint8_t>(value >> 8U));
-    bytes.push_back(static_cast<std::uint8_t>(value & 0xFFU));
+  std::vector<std::uint8_t> bytes(2 * registers.size());
+  for (std::size_t at = 0; at < registers.size(); ++at) {
+    modbus::store_be16(bytes, 2 * at, registers[at]);
   }
   return modbus::make_multiple_write({Table::holding_registers, command.place.address,
                                       static_cast<std::uint16_t>(registers.size())},

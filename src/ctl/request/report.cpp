@@ -13,15 +13,13 @@
 namespace mbgate::ctl {
 namespace {
 
-boost::json::string_view json_word(std::string_view word) { return {word.data(), word.size()}; }
-
 /// JSON has no word for what is no number: "nan", "inf", "-inf".
 boost::json::value float_json(ValueType type, std::uint64_t bits) {
   const auto words = value_text(type, bits);
   double number = 0;
   std::from_chars(words.data(), words.data() + words.size(), number);
   if (!std::isfinite(number)) {
-    return json_word(words);
+    return boost::json::value(words);
   }
   // The shortest text of an f32 becomes a double that has it too: 0.1, not 0.10000000149011612.
   if (type == ValueType::f32) {
@@ -31,38 +29,35 @@ boost::json::value float_json(ValueType type, std::uint64_t bits) {
   return number;
 }
 
-boost::json::value value_json(ValueType type, std::uint64_t bits) {
+boost::json::value value_json(ValueType type, std::span<const std::uint64_t> value) {
   switch (type) {
-    case ValueType::bit: return bits != 0;
-    case ValueType::u16:
-    case ValueType::u32:
-    case ValueType::u64: return bits;
-    case ValueType::i16: return static_cast<std::int16_t>(bits);
-    case ValueType::i32: return static_cast<std::int32_t>(bits);
-    case ValueType::i64: return static_cast<std::int64_t>(bits);
+    case ValueType::bit: return value.front() != 0;
     case ValueType::f32:
-    case ValueType::f64: return float_json(type, bits);
-    case ValueType::text: return json_word(text_of({&bits, 1}));
+    case ValueType::f64: return float_json(type, value.front());
+    case ValueType::text: return boost::json::value(text_of(value));
+    default: return boost::json::parse(value_text(type, value.front()));  // JSON writes it alike
   }
-  return nullptr;
+}
+
+/// Calls `show` with the address of each value, and the value; a text is one value.
+template <typename Show>
+void each_value(const Place& place, std::span<const std::uint64_t> values, const Show& show) {
+  const std::size_t size = place.type == ValueType::text ? values.size() : 1;
+  for (std::size_t at = 0; at < values.size(); at += size) {
+    show(place.address + at * width(place.type), values.subspan(at, size));
+  }
 }
 
 boost::json::object head_json(const Target& target, const Place& place) {
-  return {{"unit", target.unit}, {"table", json_word(config::table_word(place.table))}};
+  return {{"unit", target.unit}, {"table", config::table_word(place.table)}};
 }
 
 std::string read_json(const ReadCommand& command, std::span<const std::uint64_t> values) {
-  const auto type = command.place.type;
-  std::size_t address = command.place.address;
   boost::json::array list;
-  if (type == ValueType::text) {
-    list.push_back({{"address", address}, {"value", json_word(text_of(values))}});
-  } else {
-    for (const auto bits : values) {
-      list.push_back({{"address", address}, {"value", value_json(type, bits)}});
-      address += width(type);
-    }
-  }
+  each_value(command.place, values, [&](std::size_t address, auto value) {
+    list.push_back(boost::json::object{{"address", address},
+                                       {"value", value_json(command.place.type, value)}});
+  });
   auto object = head_json(command.target, command.place);
   object["values"] = std::move(list);
   return boost::json::serialize(object);
@@ -71,27 +66,22 @@ std::string read_json(const ReadCommand& command, std::span<const std::uint64_t>
 /// Each value with its address, and `end` behind it.
 std::string lines_of(const Place& place, std::span<const std::uint64_t> values,
                      std::string_view end) {
-  if (place.type == ValueType::text) {
-    return fmt::format("{}: \"{}\"{}", place.address, text_of(values), end);
-  }
   std::string lines;
-  std::size_t address = place.address;
-  for (const auto bits : values) {
-    lines +=
-        fmt::format("{}{}", value_line(static_cast<std::uint16_t>(address), place.type, bits), end);
-    address += width(place.type);
-  }
+  each_value(place, values, [&](std::size_t address, auto value) {
+    lines += place.type == ValueType::text
+                 ? fmt::format("{}: \"{}\"", address, text_of(value))
+                 : value_line(static_cast<std::uint16_t>(address), place.type, value.front());
+    lines += end;
+  });
   return lines;
 }
 
-std::string plain_lines_of(ValueType type, std::span<const std::uint64_t> values) {
-  if (type == ValueType::text) {
-    return text_of(values) + "\n";
-  }
+std::string plain_lines_of(const Place& place, std::span<const std::uint64_t> values) {
   std::string lines;
-  for (const auto bits : values) {
-    lines += value_text(type, bits) + "\n";
-  }
+  each_value(place, values, [&](std::size_t /*address*/, auto value) {
+    lines += place.type == ValueType::text ? text_of(value) : value_text(place.type, value.front());
+    lines += "\n";
+  });
   return lines;
 }
 
@@ -101,7 +91,7 @@ std::string read_report(const ReadCommand& command, std::span<const std::uint64_
   if (command.json) {
     return read_json(command, values) + "\n";
   }
-  return command.quiet ? plain_lines_of(command.place.type, values)
+  return command.quiet ? plain_lines_of(command.place, values)
                        : lines_of(command.place, values, "\n");
 }
 
@@ -116,17 +106,13 @@ std::string write_report(const WriteCommand& command) {
   return command.quiet ? std::string() : lines_of(command.place, command.values, " written\n");
 }
 
-std::string failure_json(const Failure& failure) {
-  boost::json::object object{{"error", json_word(failure.text)}};
-  if (failure.exception) {
-    object["exception"] = *failure.exception;
-  }
-  return boost::json::serialize(object);
-}
-
 int report_failure(const Failure& failure, bool as_json, std::ostream& out, std::ostream& errors) {
   if (as_json) {
-    out << failure_json(failure) << '\n';
+    boost::json::object object{{"error", failure.text}};
+    if (failure.exception) {
+      object["exception"] = *failure.exception;
+    }
+    out << boost::json::serialize(object) << '\n';
   } else {
     errors << "mbgatectl: " << failure.text << '\n';
   }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/request/value_text.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cmath>
 #include <fmt/core.h>
 #include <limits>
-#include <type_traits>
+#include <system_error>
+#include <utility>
 
 namespace mbgate::ctl {
 namespace {
@@ -17,57 +19,38 @@ struct Range {
   std::uint64_t above;
 };
 
-template <typename Integer>
-constexpr Range range_of() {
-  constexpr std::uint64_t kAbove{std::numeric_limits<Integer>::max()};
-  return {std::is_signed_v<Integer> ? kAbove + 1 : 0, kAbove};
-}
-
-constexpr Range range(ValueType type) {
-  switch (type) {
-    case ValueType::bit: return {0, 1};
-    case ValueType::u16: return range_of<std::uint16_t>();
-    case ValueType::i16: return range_of<std::int16_t>();
-    case ValueType::u32: return range_of<std::uint32_t>();
-    case ValueType::i32: return range_of<std::int32_t>();
-    case ValueType::u64: return range_of<std::uint64_t>();
-    case ValueType::i64: return range_of<std::int64_t>();
-    case ValueType::f32:
-    case ValueType::f64:
-    case ValueType::text: break;  // have no range of integers
-  }
-  return {0, 0};
-}
-
-constexpr std::string_view type_word(ValueType type) {
-  for (const auto& known : kTypeWords) {
-    if (known.type == type) {
-      return known.word;
-    }
-  }
-  return {};
-}
-
 constexpr std::uint64_t bit_mask(ValueType type) {
   return std::numeric_limits<std::uint64_t>::max() >> (64 - 16 * width(type));
 }
 
+constexpr bool is_signed(ValueType type) {
+  return type == ValueType::i16 || type == ValueType::i32 || type == ValueType::i64;
+}
+
+constexpr Range range(ValueType type) {
+  const std::uint64_t all = bit_mask(type);
+  return is_signed(type) ? Range{all / 2 + 1, all / 2} : Range{0, all};
+}
+
+/// The number that the bits of a signed type are.
+std::int64_t signed_number(ValueType type, std::uint64_t bits) {
+  const std::size_t unused = 64 - 16 * width(type);
+  return static_cast<std::int64_t>(bits << unused) >> unused;
+}
+
+std::string_view type_word(ValueType type) {
+  return std::ranges::find(kTypeWords, type, &TypeWord::type)->word;
+}
+
 std::string quoted(std::string_view text) { return fmt::format("\"{}\"", text); }
 
-/// The number that is the whole of a text. `error`: it is none, or its type cannot hold it.
-template <typename Number>
-struct WholeNumber {
-  std::errc error{};
-  Number number{};
-};
-
+/// The number that is the whole of a text, or the error: it is none, or its type cannot hold it.
 template <typename Number, typename... Format>
-WholeNumber<Number> whole_number(std::string_view text, Format... format) {
-  WholeNumber<Number> whole;
+std::pair<std::errc, Number> whole_number(std::string_view text, Format... format) {
+  Number number{};
   const char* end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), end, whole.number, format...);
-  whole.error = at == end ? error : std::errc::invalid_argument;
-  return whole;
+  const auto [at, error] = std::from_chars(text.data(), end, number, format...);
+  return {at == end ? error : std::errc::invalid_argument, number};
 }
 
 bool is_hex(std::string_view text) { return text.starts_with("0x") || text.starts_with("0X"); }
@@ -116,6 +99,23 @@ Result<std::uint64_t, std::string> parse_integer(ValueType type, std::string_vie
   return (negative ? 0 - magnitude : magnitude) & bit_mask(type);
 }
 
+/// The bits of a value that is no text.
+Result<std::uint64_t, std::string> parse_value(ValueType type, std::string_view text) {
+  if (type == ValueType::bit) {
+    return parse_bit(text);
+  }
+  if (is_hex(text)) {
+    return parse_hex(type, text);
+  }
+  if (type == ValueType::f32) {
+    return parse_float<float, std::uint32_t>(type, text);
+  }
+  if (type == ValueType::f64) {
+    return parse_float<double, std::uint64_t>(type, text);
+  }
+  return parse_integer(type, text);
+}
+
 Result<std::vector<std::uint64_t>, std::string> parse_text(std::span<const std::string> words) {
   if (words.size() != 1) {
     return "a string is one value: put a text with spaces in quotes";
@@ -148,23 +148,12 @@ std::string character_text(std::uint8_t byte) {
   return fmt::format("\\x{:02X}", byte);
 }
 
-}  // namespace
-
-Result<std::uint64_t, std::string> parse_value(ValueType type, std::string_view text) {
-  if (type == ValueType::bit) {
-    return parse_bit(text);
-  }
-  if (is_hex(text)) {
-    return parse_hex(type, text);
-  }
-  if (type == ValueType::f32) {
-    return parse_float<float, std::uint32_t>(type, text);
-  }
-  if (type == ValueType::f64) {
-    return parse_float<double, std::uint64_t>(type, text);
-  }
-  return parse_integer(type, text);
+/// How far up in its value a register is, in bits; `at` counts the `size` registers of the value.
+std::size_t shift_of(std::size_t at, std::size_t size, drive::WordOrder order) {
+  return 16 * (order == drive::WordOrder::big ? size - 1 - at : at);
 }
+
+}  // namespace
 
 Result<std::vector<std::uint64_t>, std::string> parse_values(ValueType type,
                                                              std::span<const std::string> words) {
@@ -193,18 +182,12 @@ Result<std::uint16_t, std::string> parse_address(std::string_view text) {
 
 std::string value_text(ValueType type, std::uint64_t bits) {
   switch (type) {
-    case ValueType::bit:
-    case ValueType::u16:
-    case ValueType::u32:
-    case ValueType::u64: return std::to_string(bits);
-    case ValueType::i16: return std::to_string(static_cast<std::int16_t>(bits));
-    case ValueType::i32: return std::to_string(static_cast<std::int32_t>(bits));
-    case ValueType::i64: return std::to_string(static_cast<std::int64_t>(bits));
     case ValueType::f32: return float_text(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
     case ValueType::f64: return float_text(std::bit_cast<double>(bits));
     case ValueType::text: return text_of({&bits, 1});
+    default:
+      return is_signed(type) ? std::to_string(signed_number(type, bits)) : std::to_string(bits);
   }
-  return {};
 }
 
 std::string value_line(std::uint16_t address, ValueType type, std::uint64_t bits) {
@@ -229,22 +212,14 @@ std::string text_of(std::span<const std::uint64_t> registers) {
   return text;
 }
 
-namespace {
-
-/// How far up in its value a register is, in bits; `at` counts the registers of the value.
-std::size_t shift_of(std::size_t at, ValueType type, drive::WordOrder order) {
-  return 16 * (order == drive::WordOrder::big ? width(type) - 1 - at : at);
-}
-
-}  // namespace
-
 std::vector<std::uint16_t> to_registers(ValueType type, drive::WordOrder order,
                                         std::span<const std::uint64_t> values) {
+  const std::size_t size = width(type);
   std::vector<std::uint16_t> registers;
-  registers.reserve(values.size() * width(type));
+  registers.reserve(values.size() * size);
   for (const std::uint64_t bits : values) {
-    for (std::size_t at = 0; at < width(type); ++at) {
-      registers.push_back(static_cast<std::uint16_t>(bits >> shift_of(at, type, order)));
+    for (std::size_t at = 0; at < size; ++at) {
+      registers.push_back(static_cast<std::uint16_t>(bits >> shift_of(at, size, order)));
     }
   }
   return registers;
@@ -252,12 +227,13 @@ std::vector<std::uint16_t> to_registers(ValueType type, drive::WordOrder order,
 
 std::vector<std::uint64_t> to_values(ValueType type, drive::WordOrder order,
                                      std::span<const std::uint16_t> registers) {
+  const std::size_t size = width(type);
   std::vector<std::uint64_t> values;
-  values.reserve(registers.size() / width(type));
-  for (std::size_t first = 0; first + width(type) <= registers.size(); first += width(type)) {
+  values.reserve(registers.size() / size);
+  for (std::size_t first = 0; first + size <= registers.size(); first += size) {
     std::uint64_t bits = 0;
-    for (std::size_t at = 0; at < width(type); ++at) {
-      bits |= std::uint64_t{registers[first + at]} << shift_of(at, type, order);
+    for (std::size_t at = 0; at < size; ++at) {
+      bits |= std::uint64_t{registers[first + at]} << shift_of(at, size, order);
     }
     values.push_back(bits);
   }

@@ -2,6 +2,7 @@
 // Values as the operator writes and reads them: bits and numbers in decimal or hex, and texts.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -30,33 +31,23 @@ enum class ValueType : std::uint8_t {
   text  ///< two characters a register, high byte first
 };
 
-/// What registers can hold, in the operator's words.
+/// What registers can hold, in the operator's words, and how many of them a value takes.
 struct TypeWord {
   std::string_view word;
   ValueType type;
+  std::size_t registers;
 };
 inline constexpr std::array kTypeWords = {
-    TypeWord{"u16", ValueType::u16},    TypeWord{"i16", ValueType::i16},
-    TypeWord{"u32", ValueType::u32},    TypeWord{"i32", ValueType::i32},
-    TypeWord{"f32", ValueType::f32},    TypeWord{"u64", ValueType::u64},
-    TypeWord{"i64", ValueType::i64},    TypeWord{"f64", ValueType::f64},
-    TypeWord{"string", ValueType::text}};
+    TypeWord{"u16", ValueType::u16, 1},    TypeWord{"i16", ValueType::i16, 1},
+    TypeWord{"u32", ValueType::u32, 2},    TypeWord{"i32", ValueType::i32, 2},
+    TypeWord{"f32", ValueType::f32, 2},    TypeWord{"u64", ValueType::u64, 4},
+    TypeWord{"i64", ValueType::i64, 4},    TypeWord{"f64", ValueType::f64, 4},
+    TypeWord{"string", ValueType::text, 1}};
 
 /// How many registers a value takes; a bit takes one address of its table.
 constexpr std::size_t width(ValueType type) {
-  switch (type) {
-    case ValueType::bit:
-    case ValueType::u16:
-    case ValueType::i16:
-    case ValueType::text: return 1;
-    case ValueType::u32:
-    case ValueType::i32:
-    case ValueType::f32: return 2;
-    case ValueType::u64:
-    case ValueType::i64:
-    case ValueType::f64: return 4;
-  }
-  return 1;
+  const auto* known = std::ranges::find(kTypeWords, type, &TypeWord::type);
+  return known == kTypeWords.end() ? 1 : known->registers;
 }
 
 /// Values to registers, and back. With the order little, the lowest 16 bits come first.
@@ -66,20 +57,17 @@ std::vector<std::uint16_t> to_registers(ValueType type, drive::WordOrder order,
 std::vector<std::uint64_t> to_values(ValueType type, drive::WordOrder order,
                                      std::span<const std::uint16_t> registers);
 
-/// The bits of a value that is no text. Decimal with an optional '-', hex as the bit pattern
+/// All values of a write, as their bits. Decimal with an optional '-', hex as the bit pattern
 /// ("0xFFFE" is -2 as i16); f32 and f64 also with a fraction or an exponent; bits are 0, 1, off or
-/// on. The error is a full sentence.
-Result<std::uint64_t, std::string> parse_value(ValueType type, std::string_view text);
-
-/// All values of a write. A text is one value, and becomes registers: a zero byte fills the last
-/// one. The error is a full sentence.
+/// on. A text is one value, and becomes registers: a zero byte fills the last one. The error is a
+/// full sentence.
 Result<std::vector<std::uint64_t>, std::string> parse_values(ValueType type,
                                                              std::span<const std::string> words);
 
 /// A protocol address, 0 to 65535, decimal or hex.
 Result<std::uint16_t, std::string> parse_address(std::string_view text);
 
-/// The plain value: "200000", "-5", "1.5". parse_value() reads it back, except what is no number
+/// The plain value: "200000", "-5", "1.5". parse_values() reads it back, except what is no number
 /// ("nan", "inf").
 std::string value_text(ValueType type, std::uint64_t bits);
 

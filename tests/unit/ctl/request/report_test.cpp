@@ -4,6 +4,7 @@
 #include <bit>
 #include <boost/json.hpp>
 #include <limits>
+#include <sstream>
 
 #include "ctl/request/carry_out.hpp"
 
@@ -103,9 +104,16 @@ TEST(Report, OfAWriteCountsTheValues) {
 }
 
 TEST(Report, OfAFailureHasTheExceptionIfOneCame) {
-  EXPECT_EQ(failure_json({1, "no valid answer came", 0x0B}),
-            R"({"error":"no valid answer came","exception":11})");
-  EXPECT_EQ(failure_json({1, "Connection refused"}), R"({"error":"Connection refused"})");
+  const auto json_of = [](const Failure& failure) {
+    std::ostringstream out;
+    std::ostringstream errors;
+    EXPECT_EQ(report_failure(failure, true, out, errors), failure.status);
+    EXPECT_EQ(errors.str(), "");
+    return out.str();
+  };
+  EXPECT_EQ(json_of({1, "no valid answer came", 0x0B}),
+            "{\"error\":\"no valid answer came\",\"exception\":11}\n");
+  EXPECT_EQ(json_of({2, "Connection refused"}), "{\"error\":\"Connection refused\"}\n");
 }
 
 }  // namespace

@@ -9,8 +9,17 @@
 namespace mbgate::ctl {
 namespace {
 
+/// The bits of one value.
+Result<std::uint64_t, std::string> parse_value(ValueType type, const std::string& text) {
+  const auto values = parse_values(type, {&text, 1});
+  if (!values) {
+    return values.error();
+  }
+  return values->front();
+}
+
 /// The error of a text that must not be understood.
-std::string error_of(ValueType type, std::string_view text) {
+std::string error_of(ValueType type, const std::string& text) {
   const auto value = parse_value(type, text);
   return value ? "no error" : value.error();
 }
