@@ -2,7 +2,6 @@
 #include "ctl/request/modbus_client.hpp"
 
 #include <modbus/modbus.h>
-#include <netdb.h>
 #include <poll.h>
 
 #include <array>
@@ -23,20 +22,6 @@ namespace {
 
 std::string endpoint_text(const Target& target) { return host_and_port(target.host, target.port); }
 
-/// libmodbus reports an unknown host as a refused connection, so names are looked up here first.
-std::string find_lookup_error(const Target& target) {
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  const int error =
-      getaddrinfo(target.host.c_str(), std::to_string(target.port).c_str(), &hints, &found);
-  if (error != 0) {
-    return gai_strerror(error);
-  }
-  freeaddrinfo(found);
-  return {};
-}
-
 void set_timeout(modbus_t& context, const Target& target) {
   const auto microseconds =
       std::chrono::duration_cast<std::chrono::microseconds>(target.timeout).count();
@@ -55,6 +40,15 @@ std::string misfit_text(modbus::ResponseFit fit) {
   return {};
 }
 
+/// What a gateway over TLS judged by, if it may be that it does not allow the request.
+std::string role_hint(const Target& target, std::uint8_t code) {
+  if (!target.tls || code != static_cast<std::uint8_t>(modbus::ExceptionCode::illegal_function)) {
+    return {};
+  }
+  const std::string file = target.tls->certificate.string();
+  return fmt::format("; the role in {} is {}", file, role_in_file(file));
+}
+
 }  // namespace
 
 void ModbusClient::Free::operator()(_modbus* context) const {
@@ -65,41 +59,31 @@ void ModbusClient::Free::operator()(_modbus* context) const {
 ModbusClient::ModbusClient(Target target, std::unique_ptr<TlsTunnel> tunnel, Context context)
     : target_(std::move(target)), tunnel_(std::move(tunnel)), context_(std::move(context)) {}
 
-/// libmodbus knows no TLS: it gets one end of a tunnel as its socket.
-Result<ModbusClient, std::string> ModbusClient::connect_over_tls(const Target& target,
-                                                                 const std::string& prefix) {
-  auto connection = connect_tls(target.host, target.port, target.timeout, *target.tls);
-  if (!connection) {
-    return prefix + connection.error();
-  }
-  auto tunnel = std::make_unique<TlsTunnel>(*std::move(connection));
-  Context context(modbus_new_tcp_pi(nullptr, "0"));
-  if (!context) {
-    return prefix + modbus_strerror(errno);
-  }
-  modbus_set_socket(context.get(), tunnel->take_socket());
-  set_timeout(*context, target);
-  return ModbusClient(target, std::move(tunnel), std::move(context));
-}
-
 Result<ModbusClient, std::string> ModbusClient::connect(const Target& target) {
   const std::string prefix = fmt::format("cannot connect to {}: ", endpoint_text(target));
+  std::unique_ptr<TlsTunnel> tunnel;
   if (target.tls) {
-    return connect_over_tls(target, prefix);
-  }
-  if (const auto error = find_lookup_error(target); !error.empty()) {
-    return prefix + error;
+    auto connection = connect_tls(target.host, target.port, target.timeout, *target.tls);
+    if (!connection) {
+      return prefix + connection.error();
+    }
+    tunnel = std::make_unique<TlsTunnel>(*std::move(connection));
+  } else if (const auto found = find_places(target.host, target.port); !found) {
+    // libmodbus would report an unknown host as a refused connection.
+    return prefix + found.error();
   }
   Context context(modbus_new_tcp_pi(target.host.c_str(), std::to_string(target.port).c_str()));
   if (!context) {
     return prefix + modbus_strerror(errno);
   }
   set_timeout(*context, target);
-  if (modbus_connect(context.get()) != 0) {
+  if (tunnel) {  // libmodbus knows no TLS: it gets one end of the tunnel as its socket
+    modbus_set_socket(context.get(), tunnel->take_socket());
+  } else if (modbus_connect(context.get()) != 0) {
     return prefix + (errno == ETIMEDOUT ? "no answer within " + config::to_text(target.timeout)
                                         : std::string(modbus_strerror(errno)));
   }
-  return ModbusClient(target, nullptr, std::move(context));
+  return ModbusClient(target, std::move(tunnel), std::move(context));
 }
 
 std::string ModbusClient::failure(int error, const modbus::Request& request) const {
@@ -154,19 +138,6 @@ bool ModbusClient::is_lost() const {
   pollfd watched{modbus_get_socket(context_.get()), POLLIN, 0};
   return poll(&watched, 1, 0) != 0;
 }
-
-namespace {
-
-/// What a gateway over TLS judged by, if it may be that it does not allow the request.
-std::string role_hint(const Target& target, std::uint8_t code) {
-  if (!target.tls || code != static_cast<std::uint8_t>(modbus::ExceptionCode::illegal_function)) {
-    return {};
-  }
-  const std::string file = target.tls->certificate.string();
-  return fmt::format("; the role in {} is {}", file, role_in_file(file));
-}
-
-}  // namespace
 
 Result<modbus::Pdu, Failure> Connection::ask(const modbus::Request& request) {
   if (client_ && client_->is_lost()) {

@@ -40,8 +40,6 @@ class ModbusClient {
   };
   using Context = std::unique_ptr<_modbus, Free>;
   ModbusClient(Target target, std::unique_ptr<TlsTunnel> tunnel, Context context);
-  static Result<ModbusClient, std::string> connect_over_tls(const Target& target,
-                                                            const std::string& prefix);
   [[nodiscard]] std::string failure(int error, const modbus::Request& request) const;
 
   Target target_;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/tls/handshake.hpp"
 
-#include <netdb.h>
 #include <openssl/err.h>
 #include <openssl/pem.h>
 #include <poll.h>
@@ -20,7 +19,6 @@
 
 #include "ctl/visible_text.hpp"
 #include "routing/client_role.hpp"
-#include "sys/openssl.hpp"
 #include "sys/tls_pump.hpp"
 
 namespace mbgate::ctl {
@@ -59,16 +57,12 @@ int connect_one(int socket, const addrinfo& place, Deadline deadline) {
 
 Result<sys::UniqueFd, std::string> connect_tcp(const std::string& host, std::uint16_t port,
                                                Deadline deadline) {
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* first = nullptr;
-  const int unknown = ::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &first);
-  if (unknown != 0) {
-    return std::string(::gai_strerror(unknown));
+  const auto places = find_places(host, port);
+  if (!places) {
+    return places.error();
   }
-  const std::unique_ptr<addrinfo, sys::FreeWith<::freeaddrinfo>> places(first);
   int error = 0;
-  for (const addrinfo* place = first; place != nullptr; place = place->ai_next) {
+  for (const addrinfo* place = places->get(); place != nullptr; place = place->ai_next) {
     sys::UniqueFd socket(
         ::socket(place->ai_family, place->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
     error = socket.get() < 0 ? errno : connect_one(socket.get(), *place, deadline);
@@ -138,22 +132,8 @@ class HeldPipeSignal {
   sigset_t before_{};
 };
 
-/// Nothing, where it is done.
-std::optional<std::string> shake_hands(sys::TlsStream& stream, int socket, Deadline deadline) {
-  const HeldPipeSignal held;
-  sys::TlsPump pump(stream, socket, -1);
-  switch (pump.shake_hands(deadline)) {
-    case sys::TlsPump::End::none: return std::nullopt;
-    case sys::TlsPump::End::late: return "the server did not answer the TLS handshake in time";
-    case sys::TlsPump::End::plain:
-    case sys::TlsPump::End::stream: break;
-  }
-  std::string why = failure_text(stream, pump.last_step());
-  return why == kClosed ? why + ": does it speak TLS at this port?" : why;
-}
-
-}  // namespace
-
+/// Why the stream is over after this step: "the server refused our certificate: certificate
+/// expired".
 std::string failure_text(const sys::TlsStream& stream, sys::TlsStream::Step step) {
   if (step == sys::TlsStream::Step::closed || stream.is_cut()) {
     return kClosed;
@@ -166,7 +146,7 @@ std::string failure_text(const sys::TlsStream& stream, sys::TlsStream::Step step
   }
   const unsigned long error = ERR_peek_last_error();
   const int reason = ERR_GET_REASON(error);
-  const std::string text = sys::take_openssl_error();
+  std::string text = sys::take_openssl_error();
   if (ERR_SYSTEM_ERROR(error)) {
     return text;
   }
@@ -188,6 +168,33 @@ std::string failure_text(const sys::TlsStream& stream, sys::TlsStream::Step step
                        SSL_alert_desc_string_long(reason - kOwnAlerts));
   }
   return text;
+}
+
+/// Nothing, where it is done.
+std::optional<std::string> shake_hands(sys::TlsStream& stream, int socket, Deadline deadline) {
+  const HeldPipeSignal held;
+  sys::TlsPump pump(stream, socket, -1);
+  switch (pump.shake_hands(deadline)) {
+    case sys::TlsPump::End::none: return std::nullopt;
+    case sys::TlsPump::End::late: return "the server did not answer the TLS handshake in time";
+    case sys::TlsPump::End::plain:
+    case sys::TlsPump::End::stream: break;
+  }
+  std::string why = failure_text(stream, pump.last_step());
+  return why == kClosed ? why + ": does it speak TLS at this port?" : why;
+}
+
+}  // namespace
+
+Result<Places, std::string> find_places(const std::string& host, std::uint16_t port) {
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* first = nullptr;
+  const int unknown = ::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &first);
+  if (unknown != 0) {
+    return std::string(::gai_strerror(unknown));
+  }
+  return Places(first);
 }
 
 Result<TlsConnection, std::string> connect_tls(const std::string& host, std::uint16_t port,

@@ -3,6 +3,8 @@
 // authentication, as Modbus/TCP Security has it (R-01, R-06, R-32).
 #pragma once
 
+#include <netdb.h>
+
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -13,6 +15,7 @@
 
 #include "ctl/request/command.hpp"
 #include "modbus/result.hpp"
+#include "sys/openssl.hpp"
 #include "sys/tls_stream.hpp"
 #include "sys/unique_fd.hpp"
 
@@ -24,15 +27,15 @@ struct TlsConnection {
   std::unique_ptr<sys::TlsStream> stream;
 };
 
+/// What the host and the port stand for; the error is that of the system.
+using Places = std::unique_ptr<addrinfo, sys::FreeWith<::freeaddrinfo>>;
+Result<Places, std::string> find_places(const std::string& host, std::uint16_t port);
+
 /// Within `timeout`, the TCP connection and the handshake together. The error says why, in words
 /// that follow "cannot connect to HOST:PORT: ".
 Result<TlsConnection, std::string> connect_tls(const std::string& host, std::uint16_t port,
                                                std::chrono::nanoseconds timeout,
                                                const TlsIdentity& identity);
-
-/// Why the stream is over after this step: "the server refused our certificate: certificate
-/// expired".
-std::string failure_text(const sys::TlsStream& stream, sys::TlsStream::Step step);
 
 /// A socket for whoever cannot speak TLS: what is written into it goes to the server over TLS, and
 /// what the server says comes out of it. A thread carries the bytes from one to the other.
