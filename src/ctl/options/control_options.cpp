@@ -7,8 +7,8 @@
 #include <fmt/core.h>
 #include <memory>
 
-#include "base/text.hpp"
 #include "ctl/options/subcommands.hpp"
+#include "ctl/request/value_text.hpp"
 #include "modbus/codes.hpp"
 
 namespace mbgate::ctl {
@@ -29,14 +29,6 @@ struct TraceWords {
   std::string function;
 };
 
-/// "16" or "0x10".
-std::optional<std::uint8_t> function_code(std::string_view text) {
-  const bool is_hex = text.starts_with("0x") || text.starts_with("0X");
-  text.remove_prefix(is_hex ? 2 : 0);
-  const auto code = integer_in<std::uint8_t>(text, is_hex ? 16 : 10);
-  return code && modbus::is_request_function(*code) ? code : std::nullopt;
-}
-
 bool is_ip_address(const std::string& text) {
   std::array<unsigned char, sizeof(in6_addr)> octets{};
   return ::inet_pton(AF_INET, text.c_str(), octets.data()) == 1 ||
@@ -50,11 +42,12 @@ TraceCommand trace_of(const TraceWords& words) {
         "--client \"{}\" is not an IP address, like 192.168.10.5 or fd00::5", trace.filter.client));
   }
   if (!words.function.empty()) {
-    trace.filter.function = function_code(words.function);
-    if (!trace.filter.function) {
+    const auto code = parse_address(words.function);  // decimal or hex, as an address
+    if (!code || *code == 0 || *code >= modbus::kExceptionBit) {
       throw WrongUsage(fmt::format(
           "--function \"{}\" is not a function code: 1 to 127, like 3 or 0x10", words.function));
     }
+    trace.filter.function = static_cast<std::uint8_t>(*code);
   }
   if (trace.pcapng == "-" && trace.json) {
     throw WrongUsage("--json and --pcapng - both want standard output: name a file for one");

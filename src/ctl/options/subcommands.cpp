@@ -38,18 +38,16 @@ void add_server(CLI::App& command, ServerWords& words) {
 void add_tls(CLI::App& command, ServerWords& words) {
   auto* tls =
       command.add_flag("--tls", words.tls, "over TLS (Modbus/TCP Security), port 802 by default");
+  const auto add = [&](const std::string& name, auto& word, const std::string& what) {
+    command.add_option(name, word, "with --tls: " + what)->needs(tls);
+  };
   TlsIdentity& identity = words.identity;
-  command.add_option("--certificate", identity.certificate, "with --tls: our certificate, in PEM")
-      ->needs(tls);
-  command.add_option("--key", identity.key, "with --tls: its private key, in PEM")->needs(tls);
-  command
-      .add_option("--authorities", identity.authorities,
-                  "with --tls: authorities that may have signed the gateway's certificate, in PEM")
-      ->needs(tls);
-  command
-      .add_option("--server-name", identity.server_name,
-                  "with --tls: the name or address in the gateway's certificate; default: --host")
-      ->needs(tls);
+  add("--certificate", identity.certificate, "our certificate, in PEM");
+  add("--key", identity.key, "its private key, in PEM");
+  add("--authorities", identity.authorities,
+      "authorities that may have signed the gateway's certificate, in PEM");
+  add("--server-name", identity.server_name,
+      "the name or address in the gateway's certificate; default: --host");
 }
 
 void add_profile_folder(CLI::App& command, std::optional<std::filesystem::path>& folder) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The head of a profile's text: one line for each thing that concerns the whole drive.
 #include <array>
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <utility>
 
 #include "base/text.hpp"
@@ -20,16 +20,8 @@ constexpr std::size_t kFunctions = 127;
 
 std::string functions_text(const ProfileFile& file) {
   const auto& functions = file.profile.functions;
-  if (functions.count() == kFunctions) {
-    return "all";
-  }
-  std::vector<unsigned> codes;
-  for (unsigned code = 1; code < functions.size(); ++code) {
-    if (functions.test(code)) {
-      codes.push_back(code);
-    }
-  }
-  return joined(codes, [](unsigned code) { return std::to_string(code); });
+  return functions.count() == kFunctions ? "all"
+                                         : fmt::format("{}", fmt::join(codes_in(functions), ", "));
 }
 
 std::string order_text(const ProfileFile& file) {
@@ -45,13 +37,10 @@ std::string order_text(const ProfileFile& file) {
     return "set at the drive";
   }
   const auto& place = *profile.word_order_register;
-  const auto codes = [](const std::vector<std::uint16_t>& list) {
-    return joined(
-        list, [](std::uint16_t code) { return std::to_string(code); }, " or ");
-  };
   return fmt::format(
       "set at the drive: {} holds {} when big, {} when little{}",
-      file.number(Table::holding_registers, place.address), codes(place.big), codes(place.little),
+      file.number(Table::holding_registers, place.address), fmt::join(place.big, " or "),
+      fmt::join(place.little, " or "),
       file.word_order_line ? fmt::format(" (line {})", line_text(file.word_order_line)) : "");
 }
 
@@ -65,13 +54,9 @@ std::string limit_text(std::uint16_t limit, Table table) {
 }
 
 std::string acceptances_text(const drive::Profile& profile) {
-  std::vector<std::string> texts;
-  for (std::size_t code = 0; code < profile.acceptances.size(); ++code) {
-    if (profile.acceptances.test(code)) {
-      texts.push_back(modbus::exception_text(static_cast<std::uint8_t>(code)));
-    }
-  }
-  return joined(texts, [](const std::string& one) { return one; });
+  return joined(codes_in(profile.acceptances), [](unsigned code) {
+    return modbus::exception_text(static_cast<std::uint8_t>(code));
+  });
 }
 
 /// The limits of what the drive's functions can do at all.
@@ -85,7 +70,7 @@ std::string reads_text(const ProfileFile& file) {
       limits.push_back(limit_text(file.profile.limits.read_from(table), table));
     }
   }
-  return joined(limits, [](const std::string& limit) { return limit; });
+  return fmt::format("{}", fmt::join(limits, ", "));
 }
 
 std::string writes_text(const ProfileFile& file) {
@@ -100,7 +85,7 @@ std::string writes_text(const ProfileFile& file) {
   if (profile.write_function) {
     limits.push_back(fmt::format("preferably with function {}", *profile.write_function));
   }
-  return joined(limits, [](const std::string& limit) { return limit; });
+  return fmt::format("{}", fmt::join(limits, ", "));
 }
 
 std::string broadcast_text(const ProfileFile& file) {

@@ -140,6 +140,39 @@ void add_values(std::string& text, const ProfileFile& file, Table table, unsigne
   add_section(text, title, std::move(rows), {"address", "manual", "access", "line", "name"});
 }
 
+int show(const config::ProfileFile& file, bool as_json, std::ostream& out) {
+  out << (as_json ? profile_json(file) + "\n" : profile_text(file));
+  return kExitDone;
+}
+
+int show_file(const ProfileCommand& command, std::ostream& out, std::ostream& errors) {
+  const auto loaded = config::load_profile(command.which);
+  errors << config::render(loaded.diagnostics);
+  return loaded.file ? show(*loaded.file, command.json, out) : kExitNotDone;
+}
+
+int show_named(const ProfileCommand& command, config::ProfileLibrary& library, std::ostream& out,
+               std::ostream& errors) {
+  if (!library.knows(command.which)) {
+    errors << "mbgatectl: " << unknown_profile(library, command.which) << '\n';
+    return kExitNotDone;
+  }
+  const auto* file = library.find(command.which);
+  errors << config::render(library.diagnostics());
+  return file == nullptr ? kExitNotDone : show(*file, command.json, out);
+}
+
+int list(config::ProfileLibrary& library, bool as_json, std::ostream& out, std::ostream& errors) {
+  const auto files = all_profiles(library);
+  Rows rows;
+  for (const auto* file : files) {
+    rows.push_back({file->profile.name, file->description});
+  }
+  out << (as_json ? profiles_json(files) + "\n" : columns(rows));
+  errors << config::render(library.diagnostics());
+  return config::has_errors(library.diagnostics()) ? kExitNotDone : kExitDone;
+}
+
 }  // namespace
 
 std::string_view access_text(config::ValueAccess access) {
@@ -167,45 +200,15 @@ std::string profile_text(const config::ProfileFile& file) {
   return text;
 }
 
-namespace {
-
-int show(const config::ProfileFile& file, bool as_json, std::ostream& out) {
-  out << (as_json ? profile_json(file) + "\n" : profile_text(file));
-  return kExitDone;
-}
-
-int show_file(const ProfileCommand& command, std::ostream& out, std::ostream& errors) {
-  const auto loaded = config::load_profile(command.which);
-  errors << config::render(loaded.diagnostics);
-  return loaded.file ? show(*loaded.file, command.json, out) : kExitNotDone;
-}
-
-int show_named(const ProfileCommand& command, config::ProfileLibrary& library, std::ostream& out,
-               std::ostream& errors) {
-  if (!library.knows(command.which)) {
-    errors << "mbgatectl: " << unknown_profile(library, command.which) << '\n';
-    return kExitNotDone;
-  }
-  const auto* file = library.find(command.which);
-  errors << config::render(library.diagnostics());
-  return file == nullptr ? kExitNotDone : show(*file, command.json, out);
-}
-
-int list(config::ProfileLibrary& library, bool as_json, std::ostream& out, std::ostream& errors) {
-  std::vector<ProfileTitle> titles;
-  std::vector<std::vector<std::string>> rows;
+std::vector<const config::ProfileFile*> all_profiles(config::ProfileLibrary& library) {
+  std::vector<const config::ProfileFile*> files;
   for (const auto& name : library.names()) {
     if (const auto* file = library.find(name)) {
-      titles.push_back({name, file->description});
-      rows.push_back({name, file->description});
+      files.push_back(file);
     }
   }
-  out << (as_json ? profiles_json(titles) + "\n" : columns(rows));
-  errors << config::render(library.diagnostics());
-  return config::has_errors(library.diagnostics()) ? kExitNotDone : kExitDone;
+  return files;
 }
-
-}  // namespace
 
 int run(const ProfileCommand& command, std::ostream& out, std::ostream& errors) {
   const bool names_file =

@@ -2,6 +2,8 @@
 // A profile as text, for people: what the gateway knows of a drive, with the lines of the manual.
 #pragma once
 
+#include <bitset>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -9,10 +11,23 @@
 #include <vector>
 
 #include "config/profiles/profile_file.hpp"
+#include "config/profiles/profile_library.hpp"
 
 namespace mbgate::ctl {
 
 // Parts of the text.
+
+/// The numbers from 1 on whose bits are set: function codes, exceptions.
+template <std::size_t Size>
+std::vector<unsigned> codes_in(const std::bitset<Size>& set) {
+  std::vector<unsigned> codes;
+  for (unsigned code = 1; code < Size; ++code) {
+    if (set.test(code)) {
+      codes.push_back(code);
+    }
+  }
+  return codes;
+}
 
 /// "0x00C8"
 std::string hex(unsigned number);
@@ -37,13 +52,10 @@ std::string profile_text(const config::ProfileFile& file);
 /// everything else (names, the manual's register numbers and lines, notes) is in "entries".
 std::string profile_json(const config::ProfileFile& file);
 
-/// A name and what kind of drive it is.
-struct ProfileTitle {
-  std::string name;
-  std::string description;
-};
-
 /// One line: [{"name": ..., "description": ...}, ...]
-std::string profiles_json(const std::vector<ProfileTitle>& titles);
+std::string profiles_json(const std::vector<const config::ProfileFile*>& files);
+
+/// Those of a library that have no errors, by name.
+std::vector<const config::ProfileFile*> all_profiles(config::ProfileLibrary& library);
 
 }  // namespace mbgate::ctl

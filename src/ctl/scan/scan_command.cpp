@@ -7,6 +7,7 @@
 
 #include "base/text.hpp"
 #include "config/profiles/profile_library.hpp"
+#include "ctl/profile/profile_text.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "ctl/request/modbus_client.hpp"
 #include "ctl/scan/scan.hpp"
@@ -18,63 +19,12 @@ namespace {
 
 using modbus::TableRange;
 
-/// A connection for each unit, made anew after an answer that did not come: it may still come, and
-/// must not be taken for the next one.
-class UnitAsker {
- public:
-  explicit UnitAsker(Target target) : target_(std::move(target)) {}
-
-  Result<Answer, std::string> ask(std::uint8_t unit, const TableRange& read) {
-    if (!client_ || target_.unit != unit) {
-      target_.unit = unit;
-      client_.reset();
-      auto client = ModbusClient::connect(target_);
-      if (!client) {
-        return client.error();
-      }
-      client_.emplace(*std::move(client));
-    }
-    const auto begin = std::chrono::steady_clock::now();
-    const auto response = client_->ask(modbus::make_read(read));
-    if (!response) {
-      client_.reset();
-      return Answer{AnswerKind::silence};
-    }
-    auto answer = answer_of(read, *response);
-    answer.took = std::chrono::steady_clock::now() - begin;
-    return answer;
-  }
-
- private:
-  Target target_;
-  std::optional<ModbusClient> client_;
-};
-
-std::vector<const config::ProfileFile*> load_all(config::ProfileLibrary& library,
-                                                 std::ostream& errors) {
-  std::vector<const config::ProfileFile*> files;
-  for (const auto& name : library.names()) {
-    if (const auto* file = library.find(name)) {
-      files.push_back(file);
-    }
-  }
-  errors << config::render(library.diagnostics());
-  return files;
-}
-
-std::string folders_text(const config::ProfileFolders& folders) {
-  return joined(
-      folders, [](const auto& folder) { return folder.string(); }, " or ");
-}
-
 /// Empty if the file was written, else what was wrong.
 std::string write_new_file(const std::filesystem::path& path, const std::string& text) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wx"),
                                                              &std::fclose);
-  if (file == nullptr) {
-    return fmt::format("{}: {}", path.string(), std::generic_category().message(errno));
-  }
-  const bool written = std::fputs(text.c_str(), file.get()) >= 0 && std::fflush(file.get()) == 0;
+  const bool written =
+      file && std::fputs(text.c_str(), file.get()) >= 0 && std::fflush(file.get()) == 0;
   return written ? std::string()
                  : fmt::format("{}: {}", path.string(), std::generic_category().message(errno));
 }
@@ -134,9 +84,7 @@ int report(const ScanCommand& command, const PortScan& scan, std::ostream& out,
     }
   }
   if (command.json) {
-    out << (command.port ? scan_json(scan, configuration, error)
-                         : scan_json(scan.result, configuration, error))
-        << '\n';
+    out << scan_json(scan, command.port.has_value(), configuration, error) << '\n';
     return error ? kExitNotDone : kExitDone;
   }
   print_misses(scan, error, errors);
@@ -150,16 +98,37 @@ int report(const ScanCommand& command, const PortScan& scan, std::ostream& out,
 
 ScanResult scan_through_gateway(const ScanCommand& command, const Catalogue& catalogue,
                                 std::ostream& errors) {
-  UnitAsker asker(command.target);
+  // A connection for each unit, made anew after an answer that did not come: it may still come, and
+  // must not be taken for the next one.
+  Target target = command.target;
+  std::optional<ModbusClient> client;
+  const auto ask = [&](std::uint8_t unit, const TableRange& read) -> Result<Answer, std::string> {
+    if (!client || target.unit != unit) {
+      target.unit = unit;
+      client.reset();
+      auto connected = ModbusClient::connect(target);
+      if (!connected) {
+        return connected.error();
+      }
+      client.emplace(*std::move(connected));
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    const auto response = client->ask(modbus::make_read(read));
+    if (!response) {
+      client.reset();
+      return Answer{AnswerKind::silence};
+    }
+    auto answer = answer_of(read, *response);
+    answer.took = std::chrono::steady_clock::now() - begin;
+    return answer;
+  };
   const auto progress = [&](std::uint8_t unit, std::size_t found) {
     if (command.show_progress) {
       errors << "\rasking unit " << static_cast<unsigned>(unit) << ", " << found << " found "
              << std::flush;
     }
   };
-  auto result = scan_units(
-      command.units, catalogue,
-      [&](std::uint8_t unit, const TableRange& read) { return asker.ask(unit, read); }, progress);
+  auto result = scan_units(command.units, catalogue, ask, progress);
   if (command.show_progress) {
     errors << "\r\x1b[K" << std::flush;
   }
@@ -176,11 +145,13 @@ int run(const ScanCommand& command, std::ostream& out, std::ostream& errors) {
   }
   config::ProfileLibrary library(command.folder ? config::ProfileFolders{*command.folder}
                                                 : config::default_profile_folders());
-  const Catalogue catalogue(load_all(library, errors));
+  const Catalogue catalogue(all_profiles(library));
+  errors << config::render(library.diagnostics());
   if (catalogue.candidates().empty()) {
-    return report_failure(
-        {kExitUsage, "there is no profile to compare with in " + folders_text(library.folders())},
-        command.json, out, errors);
+    const auto folders = joined(
+        library.folders(), [](const auto& folder) { return folder.string(); }, " or ");
+    return report_failure({kExitUsage, "there is no profile to compare with in " + folders},
+                          command.json, out, errors);
   }
   if (command.port) {
     return report(command, scan_port(command, catalogue, errors), out, errors);

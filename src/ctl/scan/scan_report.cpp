@@ -18,13 +18,17 @@ namespace {
 using Row = std::vector<std::string>;
 
 std::string functions_text(const Identification& identification) {
-  std::string text;
-  for (std::size_t function = 1; function <= 4; ++function) {
-    if (identification.functions.test(function)) {
-      text.append(text.empty() ? "0" : " 0").append(std::to_string(function));
-    }
+  const auto functions = codes_in(identification.functions);
+  return functions.empty() ? "none" : fmt::format("{:02}", fmt::join(functions, " "));
+}
+
+/// "moons-m3", or "moons-ssdc or moons-stb"; "generic" if no profile fits.
+std::string likely_text(const Identification& identification) {
+  if (identification.likely.empty()) {
+    return std::string(config::kGenericProfile);
   }
-  return text.empty() ? "none" : text;
+  return joined(
+      identification.likely, [](const auto* file) { return file->profile.name; }, " or ");
 }
 
 std::string sureness_text(const FoundUnit& unit) {
@@ -39,11 +43,13 @@ std::string sureness_text(const FoundUnit& unit) {
   return unit.fell_silent ? text + ", then silent" : text;
 }
 
-std::string order_text(const Identification& found) {
+/// "big", "little" or "unknown"; nothing where none is known, and none needed.
+std::optional<std::string> order_word_of(const Identification& found) {
   if (word_order_unknown(found)) {
     return "unknown";
   }
-  return found.word_order ? std::string(config::order_word(*found.word_order)) : "-";
+  return found.word_order ? std::optional<std::string>(config::order_word(*found.word_order))
+                          : std::nullopt;
 }
 
 std::string texts_of(const Identification& found) {
@@ -55,9 +61,48 @@ std::string texts_of(const Identification& found) {
 Row row_of(const FoundUnit& unit) {
   const auto& found = unit.identification;
   const auto took = std::chrono::ceil<std::chrono::milliseconds>(unit.slowest);
-  return {
-      std::to_string(unit.unit), functions_text(found), config::to_text(took), likely_text(found),
-      sureness_text(unit),       order_text(found),     texts_of(found)};
+  return {std::to_string(unit.unit),
+          functions_text(found),
+          config::to_text(took),
+          likely_text(found),
+          sureness_text(unit),
+          order_word_of(found).value_or("-"),
+          texts_of(found)};
+}
+
+boost::json::array texts_json(const std::vector<NamedText>& texts) {
+  boost::json::array list;
+  for (const auto& [name, text] : texts) {
+    list.push_back(boost::json::object{{"name", name}, {"text", text}});
+  }
+  return list;
+}
+
+boost::json::object unit_json(const FoundUnit& unit) {
+  const auto& found = unit.identification;
+  boost::json::array profiles;
+  for (const auto* file : found.likely) {
+    profiles.emplace_back(file->profile.name);
+  }
+  const boost::json::value nearest =
+      found.nearest != nullptr ? boost::json::value(found.nearest->profile.name) : nullptr;
+  return {{"unit", unit.unit},
+          {"functions", boost::json::value_from(codes_in(found.functions))},
+          {"slowest_ms", std::chrono::ceil<std::chrono::milliseconds>(unit.slowest).count()},
+          {"profiles", std::move(profiles)},
+          {"nearest", nearest},
+          {"fitting", found.fitting},
+          {"judged", found.judged},
+          {"word_order", boost::json::value_from(order_word_of(found))},
+          {"texts", texts_json(found.texts)},
+          {"fell_silent", unit.fell_silent}};
+}
+
+boost::json::value line_json(const FoundLine& line) {
+  return boost::json::object{{"device", line.device},
+                             {"baud", static_cast<std::uint32_t>(line.mode.baud)},
+                             {"parity", parity_word(line.mode.format.parity)},
+                             {"stop_bits", line.mode.format.stop_bits}};
 }
 
 }  // namespace
@@ -88,14 +133,6 @@ std::string line_head(const FoundLine& line) {
                      line.mode.format.stop_bits);
 }
 
-std::string likely_text(const Identification& identification) {
-  if (identification.likely.empty()) {
-    return std::string(config::kGenericProfile);
-  }
-  return joined(
-      identification.likely, [](const auto* file) { return file->profile.name; }, " or ");
-}
-
 bool word_order_unknown(const Identification& identification) {
   const auto& likely = identification.likely;
   return !identification.word_order && std::ranges::any_of(likely, [](const auto* it) {
@@ -103,89 +140,23 @@ bool word_order_unknown(const Identification& identification) {
   });
 }
 
-namespace {
-
-boost::json::value word_order_json(const Identification& found) {
-  if (word_order_unknown(found)) {
-    return "unknown";
-  }
-  if (!found.word_order) {
-    return nullptr;
-  }
-  const auto word = config::order_word(*found.word_order);
-  return boost::json::string_view(word.data(), word.size());
-}
-
-boost::json::array texts_json(const std::vector<NamedText>& texts) {
-  boost::json::array list;
-  for (const auto& [name, text] : texts) {
-    list.push_back(boost::json::object{{"name", name}, {"text", text}});
-  }
-  return list;
-}
-
-boost::json::object unit_json(const FoundUnit& unit) {
-  const auto& found = unit.identification;
-  boost::json::array functions;
-  for (std::size_t function = 1; function < found.functions.size(); ++function) {
-    if (found.functions.test(function)) {
-      functions.emplace_back(function);
-    }
-  }
-  boost::json::array profiles;
-  for (const auto* file : found.likely) {
-    profiles.emplace_back(file->profile.name);
-  }
-  const boost::json::value nearest =
-      found.nearest != nullptr ? boost::json::value(found.nearest->profile.name) : nullptr;
-  return {{"unit", unit.unit},
-          {"functions", std::move(functions)},
-          {"slowest_ms", std::chrono::ceil<std::chrono::milliseconds>(unit.slowest).count()},
-          {"profiles", std::move(profiles)},
-          {"nearest", nearest},
-          {"fitting", found.fitting},
-          {"judged", found.judged},
-          {"word_order", word_order_json(found)},
-          {"texts", texts_json(found.texts)},
-          {"fell_silent", unit.fell_silent}};
-}
-
-boost::json::object result_json(const ScanResult& result,
-                                const std::optional<std::string>& configuration,
-                                const std::optional<std::string>& error) {
+std::string scan_json(const PortScan& scan, bool of_port,
+                      const std::optional<std::string>& configuration,
+                      const std::optional<std::string>& error) {
   boost::json::array units;
-  for (const auto& unit : result.found) {
+  for (const auto& unit : scan.result.found) {
     units.push_back(unit_json(unit));
   }
   boost::json::object object{{"units", std::move(units)},
-                             {"busy", boost::json::value_from(result.busy)},
+                             {"busy", boost::json::value_from(scan.result.busy)},
                              {"configuration", boost::json::value_from(configuration)}};
   if (error) {
     object["error"] = *error;
   }
-  return object;
-}
-
-boost::json::value line_json(const FoundLine& line) {
-  const auto parity = parity_word(line.mode.format.parity);
-  return boost::json::object{{"device", line.device},
-                             {"baud", static_cast<std::uint32_t>(line.mode.baud)},
-                             {"parity", boost::json::string_view(parity.data(), parity.size())},
-                             {"stop_bits", line.mode.format.stop_bits}};
-}
-
-}  // namespace
-
-std::string scan_json(const ScanResult& result, const std::optional<std::string>& configuration,
-                      const std::optional<std::string>& error) {
-  return boost::json::serialize(result_json(result, configuration, error));
-}
-
-std::string scan_json(const PortScan& scan, const std::optional<std::string>& configuration,
-                      const std::optional<std::string>& error) {
-  auto object = result_json(scan.result, configuration, error);
-  object["line"] = scan.line ? line_json(*scan.line) : boost::json::value(nullptr);
-  object["notes"] = boost::json::value_from(scan.notes);
+  if (of_port) {
+    object["line"] = scan.line ? line_json(*scan.line) : boost::json::value(nullptr);
+    object["notes"] = boost::json::value_from(scan.notes);
+  }
   return boost::json::serialize(object);
 }
 

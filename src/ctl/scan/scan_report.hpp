@@ -16,19 +16,15 @@ std::string scan_table(const ScanResult& result);
 /// 1:" and the end of the line.
 std::string line_head(const FoundLine& line);
 
-/// "moons-m3", or "moons-ssdc or moons-stb"; "generic" if no profile fits.
-std::string likely_text(const Identification& identification);
-
 /// True if the user must state the word order: the drive can be set either way, and reading does
 /// not show how it is set.
 bool word_order_unknown(const Identification& identification);
 
 /// One JSON object: "units" (what scan_table() says of each), "busy" (units that were not scanned),
-/// "configuration" (null if no unit was found), and "error" if there is one.
-std::string scan_json(const ScanResult& result, const std::optional<std::string>& configuration,
-                      const std::optional<std::string>& error);
-/// The same of a serial port; also "line" (its mode; null if no unit answered) and "notes".
-std::string scan_json(const PortScan& scan, const std::optional<std::string>& configuration,
+/// "configuration" (null if no unit was found), and "error" if there is one; `of_port`: also "line"
+/// (its mode; null if no unit answered) and "notes".
+std::string scan_json(const PortScan& scan, bool of_port,
+                      const std::optional<std::string>& configuration,
                       const std::optional<std::string>& error);
 
 // A configuration to start from, for the bus as a scan found it. `mbgated --check` accepts it as it
@@ -40,9 +36,5 @@ std::string starting_config(const Target& target, const std::string& bus,
                             const std::vector<FoundUnit>& found);
 std::string starting_config(const FoundLine& line, const std::string& bus,
                             const std::vector<FoundUnit>& found);
-
-/// A response timeout with a good margin over the slowest answer that was seen: at least three
-/// times as long, at least 100 ms, rounded.
-std::chrono::milliseconds sensible_timeout(std::chrono::nanoseconds slowest);
 
 }  // namespace mbgate::ctl

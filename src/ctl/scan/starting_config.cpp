@@ -16,6 +16,17 @@ constexpr std::array kRoundTimes{100ms,  200ms,  300ms,  500ms,   1000ms,
                                  2000ms, 3000ms, 5000ms, 10'000ms};
 constexpr unsigned kMargin = 3;
 
+/// With a good margin over the slowest answer that was seen: at least three times as long, at least
+/// 100 ms, rounded.
+std::chrono::milliseconds sensible_timeout(std::chrono::nanoseconds slowest) {
+  for (const auto time : kRoundTimes) {
+    if (time >= kMargin * slowest) {
+      return time;
+    }
+  }
+  return std::chrono::ceil<std::chrono::seconds>(kMargin * slowest);
+}
+
 std::string head(const std::string& where, const std::string& bus) {
   return fmt::format(R"(# What mbgatectl scan found at {}. Check every line before you use
 # it: a scan only reads, and what it cannot find out is marked CHOOSE.
@@ -133,15 +144,6 @@ std::string starting_config(const Target& target, const std::string& bus,
 std::string starting_config(const FoundLine& line, const std::string& bus,
                             const std::vector<FoundUnit>& found) {
   return head(line.device, bus) + line_as_found(line) + units(bus, found);
-}
-
-std::chrono::milliseconds sensible_timeout(std::chrono::nanoseconds slowest) {
-  for (const auto time : kRoundTimes) {
-    if (time >= kMargin * slowest) {
-      return time;
-    }
-  }
-  return std::chrono::ceil<std::chrono::seconds>(kMargin * slowest);
 }
 
 }  // namespace mbgate::ctl

@@ -10,7 +10,8 @@ namespace mbgate::ctl {
 namespace {
 
 TEST(ScanJson, SaysOfEachUnitWhatTheTableSays) {
-  const auto json = boost::json::parse(scan_json(plant(), "# found\n[[bus]]\n", std::nullopt));
+  const auto json =
+      boost::json::parse(scan_json({plant()}, false, "# found\n[[bus]]\n", std::nullopt));
   EXPECT_EQ(json, boost::json::parse(R"({
     "units": [
       {"unit": 1, "functions": [3], "slowest_ms": 4, "profiles": ["moons-st"],
@@ -35,18 +36,18 @@ TEST(ScanJson, SaysOfEachUnitWhatTheTableSays) {
 TEST(ScanJson, SaysWhyNothingWasFound) {
   ScanResult result;
   result.busy = {7};
-  EXPECT_EQ(scan_json(result, std::nullopt, "no other unit answered"),
+  EXPECT_EQ(scan_json({result}, false, std::nullopt, "no other unit answered"),
             R"({"units":[],"busy":[7],"configuration":null,"error":"no other unit answered"})");
 }
 
 TEST(ScanJson, HasTheLineAndTheNotesOfASerialPort) {
   PortScan scan;
   scan.notes = {"interference"};
-  EXPECT_EQ(scan_json(scan, std::nullopt, "interrupted"),
+  EXPECT_EQ(scan_json(scan, true, std::nullopt, "interrupted"),
             R"({"units":[],"busy":[],"configuration":null,"error":"interrupted","line":null,)"
             R"("notes":["interference"]})");
   scan.line = FoundLine{"/dev/ttyUSB0", std::nullopt, {modbus::Baud{9600}, {}}};
-  const auto json = boost::json::parse(scan_json(scan, std::nullopt, std::nullopt));
+  const auto json = boost::json::parse(scan_json(scan, true, std::nullopt, std::nullopt));
   EXPECT_EQ(json.at("line"), boost::json::parse(R"({"device": "/dev/ttyUSB0", "baud": 9600,
                                                     "parity": "even", "stop_bits": 1})"));
 }

@@ -149,12 +149,18 @@ TEST(LineHead, StandsAboveTheTable) {
             "/dev/ttyUSB0, 9600 baud, parity even, stop bits 1:\n");
 }
 
-TEST(SensibleTimeout, IsRoundAndAtLeastThriceTheSlowestAnswer) {
-  EXPECT_EQ(sensible_timeout(1ms), 100ms);
-  EXPECT_EQ(sensible_timeout(33ms), 100ms);
-  EXPECT_EQ(sensible_timeout(34ms), 200ms);
-  EXPECT_EQ(sensible_timeout(400ms), 2000ms);
-  EXPECT_EQ(sensible_timeout(4100ms), 13s);
+TEST(StartingConfig, HasARoundTimeoutThatIsAtLeastThriceTheSlowestAnswer) {
+  const auto has_timeout = [](std::chrono::milliseconds slowest, const std::string& timeout) {
+    FoundUnit unit = plant().found.front();
+    unit.slowest = slowest;
+    const auto text = starting_config({"plant.example", 1502, 1, 5s}, "line-b", {unit});
+    return text.find("\nresponse_timeout = \"" + timeout + "\"  #") != std::string::npos;
+  };
+  EXPECT_TRUE(has_timeout(1ms, "100ms"));
+  EXPECT_TRUE(has_timeout(33ms, "100ms"));
+  EXPECT_TRUE(has_timeout(34ms, "200ms"));
+  EXPECT_TRUE(has_timeout(400ms, "2s"));
+  EXPECT_TRUE(has_timeout(4100ms, "13s"));
 }
 
 }  // namespace
