@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <ranges>
 #include <tuple>
 
 namespace mbgate::ctl {
@@ -47,10 +48,6 @@ void add_end(const TableRange& run, std::vector<TableRange>& reads) {
   if (drive::end_of(run) <= 0xFFFFU) {
     reads.push_back(one(run.table, drive::end_of(run)));
   }
-}
-
-bool holds(const std::vector<std::uint16_t>& codes, std::uint16_t code) {
-  return std::ranges::find(codes, code) != codes.end();
 }
 
 bool is_printable(char letter) { return letter >= ' ' && letter <= '~'; }
@@ -134,12 +131,10 @@ Verdict Candidate::judge(const TableRange& read, const Answer& answer) const {
   switch (foreseen) {
     case Foreseen::text:
       return judge_text(answer, profile.word_order.value_or(drive::WordOrder::big));
-    case Foreseen::word_order: {
-      const auto code = answer.registers.front();
-      const auto& codes = *profile.word_order_register;
-      return holds(codes.big, code) || holds(codes.little, code) ? Verdict::fits
-                                                                 : Verdict::contradicts;
-    }
+    case Foreseen::word_order:
+      return order_of(*profile.word_order_register, answer.registers.front())
+                 ? Verdict::fits
+                 : Verdict::contradicts;
     default: return refused ? Verdict::contradicts : Verdict::fits;
   }
 }
@@ -191,13 +186,10 @@ std::vector<TableRange> Candidate::telling_reads() const {
 std::vector<TableRange> Candidate::confirming_reads() const {
   auto reads = content_reads();
   for (const auto table : kTables) {
-    const TableRange* longest = nullptr;
-    for (const auto& run : map_) {
-      if (run.table == table && (longest == nullptr || run.count > longest->count)) {
-        longest = &run;
-      }
-    }
-    if (longest != nullptr) {
+    const auto is_of_table = [&](const TableRange& run) { return run.table == table; };
+    auto runs = map_ | std::views::filter(is_of_table);
+    if (const auto longest = std::ranges::max_element(runs, {}, &TableRange::count);
+        longest != runs.end()) {
       add_end(*longest, reads);
     }
     add_limit_read(table, reads);
@@ -205,6 +197,15 @@ std::vector<TableRange> Candidate::confirming_reads() const {
   // What may be answered either way confirms nothing.
   std::erase_if(reads, [&](const auto& read) { return foresees(read) == Foreseen::anything; });
   return reads;
+}
+
+std::optional<drive::WordOrder> order_of(const drive::WordOrderRegister& codes,
+                                         std::uint16_t code) {
+  if (std::ranges::find(codes.big, code) != codes.big.end()) {
+    return drive::WordOrder::big;
+  }
+  const bool little = std::ranges::find(codes.little, code) != codes.little.end();
+  return little ? std::optional(drive::WordOrder::little) : std::nullopt;
 }
 
 std::string register_text(const std::vector<std::uint16_t>& registers, drive::WordOrder order) {
@@ -224,8 +225,6 @@ std::string register_text(const std::vector<std::uint16_t>& registers, drive::Wo
   text = text.substr(first, last - first + 1);
   return std::ranges::all_of(text, is_printable) ? text : std::string();
 }
-
-using modbus::Table;
 
 Catalogue::Catalogue(const std::vector<const config::ProfileFile*>& files) {
   for (const auto* file : files) {

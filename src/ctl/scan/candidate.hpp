@@ -6,11 +6,12 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "config/profiles/profile_file.hpp"
-#include "modbus/request.hpp"
+#include "modbus/make_request.hpp"
 
 namespace mbgate::ctl {
 
@@ -30,14 +31,8 @@ struct Answer {
 };
 
 /// The function that reads the table.
-constexpr std::uint8_t read_function(modbus::Table table) {
-  switch (table) {
-    case modbus::Table::coils: return 0x01;
-    case modbus::Table::discrete_inputs: return 0x02;
-    case modbus::Table::holding_registers: return 0x03;
-    case modbus::Table::input_registers: return 0x04;
-  }
-  return 0x03;
+inline std::uint8_t read_function(modbus::Table table) {
+  return modbus::make_read({table, 0, 1}).function();
 }
 
 /// What a profile predicts for a read.
@@ -78,6 +73,9 @@ class Candidate {
   const config::ProfileFile* file_;
   drive::RangeList map_;  ///< by table and address; adjacent ranges are joined
 };
+
+/// What a code in the drive's register for it means; nothing if it is neither.
+std::optional<drive::WordOrder> order_of(const drive::WordOrderRegister& codes, std::uint16_t code);
 
 /// A text from registers. A drive with the low word first also has the low byte first. Blanks and
 /// zeros around the text are removed. Empty if it is not a text.

@@ -24,15 +24,6 @@ std::size_t pairs_told_apart(const Question& question, const std::vector<std::si
   return pairs;
 }
 
-std::optional<drive::WordOrder> order_of(const drive::WordOrderRegister& codes,
-                                         std::uint16_t code) {
-  if (std::ranges::find(codes.big, code) != codes.big.end()) {
-    return drive::WordOrder::big;
-  }
-  const bool little = std::ranges::find(codes.little, code) != codes.little.end();
-  return little ? std::optional(drive::WordOrder::little) : std::nullopt;
-}
-
 }  // namespace
 
 Identifier::Identifier(const Catalogue& catalogue)
@@ -49,12 +40,9 @@ const Answer* Identifier::data_of(const TableRange& read) const {
 
 std::vector<std::size_t> Identifier::least_contradicted() const {
   std::vector<std::size_t> suspects;
+  const auto least = std::ranges::min_element(scores_, {}, &Score::contradicts);
   for (std::size_t i = 0; i < scores_.size(); ++i) {
-    const auto least = suspects.empty() ? scores_[i] : scores_[suspects.front()];
-    if (scores_[i].contradicts < least.contradicts) {
-      suspects.clear();
-    }
-    if (suspects.empty() || scores_[i].contradicts == least.contradicts) {
+    if (scores_[i].contradicts == least->contradicts) {
       suspects.push_back(i);
     }
   }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/scan/scan.hpp"
 
+#include <algorithm>
 #include <fmt/core.h>
+#include <ranges>
 #include <set>
 
 #include "base/text.hpp"
@@ -15,68 +17,53 @@ constexpr int kTries = 3;
 /// Each silence costs the bus a timeout and its repetitions.
 constexpr int kMostSilent = 3;
 
-class UnitScan {
- public:
-  UnitScan(std::uint8_t unit, const Catalogue& catalogue, const AskUnit& ask)
-      : unit_(unit), ask_(ask), identifier_(catalogue) {}
-
-  /// False when the scan must end.
-  bool run(ScanResult& result) {
-    bool present = false;
-    while (const auto read = identifier_.next()) {
-      auto answer = ask_patiently(*read);
-      if (!answer) {
-        result.error = answer.error();
-        return false;
-      }
-      result.any_way = result.any_way || answer->kind != AnswerKind::no_way;
-      if (!present && answer->kind == AnswerKind::busy) {
-        result.busy.push_back(unit_);
-        return true;
-      }
-      if (!present && !is_of_device(*answer)) {
-        return true;  // nobody there
-      }
-      present = true;
-      take(*read, *std::move(answer));
-      if (silent_ == kMostSilent) {
-        break;
-      }
-    }
-    if (present) {
-      result.found.push_back({unit_, identifier_.result(), slowest_, silent_ == kMostSilent});
-    }
-    return true;
+Result<Answer, std::string> ask_patiently(const AskUnit& ask, std::uint8_t unit,
+                                          const modbus::TableRange& read) {
+  auto answer = ask(unit, read);
+  for (int i = 1; i < kTries && answer && answer->kind == AnswerKind::busy; ++i) {
+    answer = ask(unit, read);
   }
+  return answer;
+}
 
- private:
-  static bool is_of_device(const Answer& answer) {
-    return answer.kind == AnswerKind::data || answer.kind == AnswerKind::exception;
-  }
-
-  Result<Answer, std::string> ask_patiently(const modbus::TableRange& read) {
-    auto answer = ask_(unit_, read);
-    for (int i = 1; i < kTries && answer && answer->kind == AnswerKind::busy; ++i) {
-      answer = ask_(unit_, read);
+/// False when the scan must end.
+bool scan_unit(std::uint8_t unit, const Catalogue& catalogue, const AskUnit& ask,
+               ScanResult& result) {
+  Identifier identifier(catalogue);
+  FoundUnit found{unit, {}, std::chrono::nanoseconds(0)};
+  int silent = 0;
+  bool present = false;
+  while (!found.fell_silent) {
+    const auto read = identifier.next();
+    if (!read) {
+      break;
     }
-    return answer;
-  }
-
-  void take(const modbus::TableRange& read, Answer answer) {
-    if (is_of_device(answer)) {
-      slowest_ = std::max(slowest_, answer.took);
-    } else {
-      ++silent_;
+    auto answer = ask_patiently(ask, unit, *read);
+    if (!answer) {
+      result.error = answer.error();
+      return false;
     }
-    identifier_.take(read, std::move(answer));
+    result.any_way = result.any_way || answer->kind != AnswerKind::no_way;
+    const bool of_device =
+        answer->kind == AnswerKind::data || answer->kind == AnswerKind::exception;
+    if (!present && !of_device) {
+      if (answer->kind == AnswerKind::busy) {
+        result.busy.push_back(unit);
+      }
+      return true;  // nobody there
+    }
+    present = true;
+    silent += of_device ? 0 : 1;
+    found.fell_silent = silent == kMostSilent;
+    found.slowest = std::max(found.slowest, of_device ? answer->took : found.slowest);
+    identifier.take(*read, *std::move(answer));
   }
-
-  std::uint8_t unit_;
-  const AskUnit& ask_;
-  Identifier identifier_;
-  std::chrono::nanoseconds slowest_{0};
-  int silent_ = 0;
-};
+  if (present) {
+    found.identification = identifier.result();
+    result.found.push_back(std::move(found));
+  }
+  return true;
+}
 
 std::optional<unsigned> parse_unit(std::string_view text) {
   const auto unit = integer_in<unsigned>(text);
@@ -113,7 +100,7 @@ ScanResult scan_units(const std::vector<std::uint8_t>& units, const Catalogue& c
   ScanResult result;
   for (const auto unit : units) {
     progress(unit, result.found.size());
-    if (!UnitScan(unit, catalogue, ask).run(result)) {
+    if (!scan_unit(unit, catalogue, ask, result)) {
       break;
     }
   }
@@ -122,17 +109,13 @@ ScanResult scan_units(const std::vector<std::uint8_t>& units, const Catalogue& c
 
 Result<std::vector<std::uint8_t>, std::string> parse_units(std::string_view text) {
   std::set<std::uint8_t> units;
-  std::string_view rest = text;
-  while (true) {
-    const auto comma = rest.find(',');
-    if (!add_range(rest.substr(0, comma), units)) {
-      return fmt::format("\"{}\" is not a list of units: 1 to 247, like 5 or 1-32 or 1-8,17", text);
-    }
-    if (comma == std::string_view::npos) {
-      return std::vector<std::uint8_t>(units.begin(), units.end());
-    }
-    rest.remove_prefix(comma + 1);
+  const bool is_list = std::ranges::all_of(std::views::split(text, ','), [&](const auto& part) {
+    return add_range({part.begin(), part.end()}, units);
+  });
+  if (!is_list || units.empty()) {
+    return fmt::format("\"{}\" is not a list of units: 1 to 247, like 5 or 1-32 or 1-8,17", text);
   }
+  return std::vector<std::uint8_t>(units.begin(), units.end());
 }
 
 Answer answer_of(const modbus::TableRange& read, const modbus::Pdu& response) {
