@@ -47,12 +47,11 @@ bool is_listed_in(gid_t group, const std::string& user) {
   if (entry == nullptr) {
     return false;
   }
-  for (char** member = entry->gr_mem; *member != nullptr; ++member) {
-    if (user == *member) {
-      return true;
-    }
+  char** member = entry->gr_mem;
+  while (*member != nullptr && user != *member) {
+    ++member;
   }
-  return false;
+  return *member != nullptr;
 }
 
 /// "/dev/ttyUSB0" for every name that leads there.
@@ -78,21 +77,15 @@ std::string lock_name(const struct stat& status) {
   return fmt::format("{:02x}:{:02x}:{}", major(status.st_dev), minor(status.st_dev), status.st_ino);
 }
 
-bool has_open(const fs::path& process, dev_t port) {
-  std::error_code error;
-  for (fs::directory_iterator entry(process / "fd", error), end; !error && entry != end;
-       entry.increment(error)) {
+bool has_open(const std::string& process, dev_t port) {
+  return std::ranges::any_of(paths_in(process + "/fd"), [&](const std::string& path) {
     // Not stat() for every file: on a network that is gone it blocks.
     std::error_code unreadable;
-    const auto target = fs::read_symlink(entry->path(), unreadable);
+    const auto target = fs::read_symlink(path, unreadable);
     struct stat status {};
-    if (!unreadable && target.string().starts_with("/dev/") &&
-        ::stat(entry->path().c_str(), &status) == 0 && S_ISCHR(status.st_mode) &&
-        status.st_rdev == port) {
-      return true;
-    }
-  }
-  return false;
+    return !unreadable && target.string().starts_with("/dev/") &&
+           ::stat(path.c_str(), &status) == 0 && S_ISCHR(status.st_mode) && status.st_rdev == port;
+  });
 }
 
 }  // namespace
@@ -102,7 +95,7 @@ PortFacts look_at_port(const std::string& device) {
   struct stat status {};
   facts.error = ::stat(device.c_str(), &status) == 0 ? 0 : errno;
   facts.is_character_device = facts.error == 0 && S_ISCHR(status.st_mode);
-  facts.names = serial_names();
+  facts.names = paths_in();
   std::ranges::copy_if(facts.names, std::back_inserter(facts.leading),
                        [&](const auto& name) { return lasting_name(device, {name}).has_value(); });
   facts.is_lasting = std::ranges::find(facts.names, device) != facts.names.end();
@@ -131,11 +124,9 @@ std::vector<Holder> find_holders(const std::string& device) {
   if (::stat(device.c_str(), &port) != 0) {
     return holders;
   }
-  std::error_code error;
-  for (fs::directory_iterator entry("/proc", error), end; !error && entry != end;
-       entry.increment(error)) {
-    const auto process = integer_in<int>(entry->path().filename().string());
-    if (process && *process != ::getpid() && has_open(entry->path(), port.st_rdev)) {
+  for (const auto& path : paths_in("/proc")) {
+    const auto process = integer_in<int>(path.substr(path.rfind('/') + 1));
+    if (process && *process != ::getpid() && has_open(path, port.st_rdev)) {
       holders.push_back(holder_of(*process));
     }
   }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fmt/core.h>
+#include <functional>
 #include <iterator>
 #include <ostream>
 #include <system_error>
@@ -23,45 +24,14 @@ constexpr const char* kInterrupted = "interrupted";
 /// and an answer that comes later would be taken for that to the next read.
 constexpr std::chrono::seconds kPresentUnitWait{2};
 
-/// The client, and the pauses between its questions, in which a signal ends the scan.
-class PausingClient {
- public:
-  explicit PausingClient(SerialClient client) : client_(std::move(client)) {}
+using AskLine = std::function<Result<Heard, std::string>(std::uint8_t, const TableRange&,
+                                                         std::chrono::nanoseconds wait)>;
+/// Puts a text into the line of progress on a terminal.
+using ShowProgress = std::function<void(const std::string&)>;
 
-  std::optional<std::string> set_mode(const LineMode& mode) { return client_.set_mode(mode); }
-
-  Result<Heard, std::string> ask(std::uint8_t unit, const TableRange& read,
-                                 std::chrono::nanoseconds wait) {
-    if (interruption_.wait_until(client_.ready_at())) {
-      return {boost::system::in_place_error, kInterrupted};
-    }
-    return client_.ask(unit, read, wait);
-  }
-
- private:
-  Interruption interruption_;
-  SerialClient client_;
-};
-
-/// The line of progress on a terminal.
-class ProgressLine {
- public:
-  ProgressLine(bool shown, std::ostream& errors) : shown_(shown), errors_(errors) {}
-  void show(const std::string& text) const {
-    if (shown_) {
-      errors_ << "\r" << text << "\x1b[K" << std::flush;
-    }
-  }
-  void clear() const { show({}); }
-
- private:
-  bool shown_;
-  std::ostream& errors_;
-};
-
-Result<Answer, std::string> identify(PausingClient& client, std::uint8_t unit,
+Result<Answer, std::string> identify(const AskLine& ask_line, std::uint8_t unit,
                                      const TableRange& read, std::chrono::nanoseconds wait) {
-  const auto heard = client.ask(unit, read, wait);
+  const auto heard = ask_line(unit, read, wait);
   if (!heard) {
     return heard.error();
   }
@@ -92,24 +62,18 @@ std::optional<std::string> missing_text(const std::vector<std::uint8_t>& answere
 FoundLine line_found(const std::string& device, const LineMode& mode) {
   std::error_code error;
   const auto path = std::filesystem::absolute(device, error);
-  return {error ? device : path.string(), lasting_name(device, serial_names()), mode};
+  return {error ? device : path.string(), lasting_name(device, paths_in()), mode};
 }
 
-/// Identifies the units that answered in one mode.
-ScanResult identify_all(PausingClient& client, const PortSweep& port, const Catalogue& catalogue,
-                        const ModeFindings& best, const ProgressLine& line) {
-  if (auto why = client.set_mode(best.mode)) {
-    ScanResult result;
-    result.error = port.device + ": " + *why;
-    return result;
-  }
+/// Identifies the units that answered in one mode, which is set.
+ScanResult identify_all(const AskLine& ask_line, const PortSweep& port, const Catalogue& catalogue,
+                        const ModeFindings& best, const ShowProgress& show) {
   const auto wait = std::max<std::chrono::nanoseconds>(port.wait, kPresentUnitWait);
   const auto ask = [&](std::uint8_t unit, const TableRange& read) {
-    return identify(client, unit, read, wait);
+    return identify(ask_line, unit, read, wait);
   };
   const auto progress = [&](std::uint8_t unit, std::size_t found) {
-    line.show(
-        fmt::format("identifying unit {}, {} of {} identified", unit, found, best.units.size()));
+    show(fmt::format("identifying unit {}, {} of {} identified", unit, found, best.units.size()));
   };
   return scan_units(best.units, catalogue, ask, progress);
 }
@@ -124,24 +88,38 @@ PortScan scan_port(const ScanCommand& command, const Catalogue& catalogue, std::
     scan.result.error = opened.error();
     return scan;
   }
-  Sweep sweep({command.units, port.modes, port.wait, port.all_modes});
+  Sweep sweep({port, command.units});
   if (!command.json || command.show_progress) {
-    errors << sweep_announcement(port.device, sweep.plan()) << '\n' << std::flush;
+    errors << sweep_announcement(sweep.plan()) << '\n' << std::flush;
   }
-  PausingClient client(*std::move(opened));
-  const ProgressLine line(command.show_progress, errors);
-  const auto error = carry_out_sweep(
-      sweep, {[&](const LineMode& mode) { return client.set_mode(mode); },
-              [&](std::uint8_t unit) { return client.ask(unit, kSweepRead, port.wait); },
-              [&](const Sweep& now) { line.show(sweep_progress(now)); }});
+  const Interruption interruption;  // before the client: its end gives the port its settings back
+  SerialClient client = *std::move(opened);
+  const AskLine ask = [&](std::uint8_t unit, const TableRange& read,
+                          std::chrono::nanoseconds wait) -> Result<Heard, std::string> {
+    if (interruption.wait_until(client.ready_at())) {
+      return {boost::system::in_place_error, kInterrupted};
+    }
+    return client.ask(unit, read, wait);
+  };
+  const ShowProgress show = [&](const std::string& text) {
+    if (command.show_progress) {
+      errors << "\r" << text << "\x1b[K" << std::flush;
+    }
+  };
+  const auto error =
+      carry_out_sweep(sweep, {[&](const LineMode& mode) { return client.set_mode(mode); },
+                              [&](std::uint8_t unit) { return ask(unit, kSweepRead, port.wait); },
+                              [&](const Sweep& now) { show(sweep_progress(now)); }});
   const auto* best = sweep.best();
   scan.notes = sweep_notes(sweep);
-  if (best != nullptr && !error) {
-    scan.result = identify_all(client, port, catalogue, *best, line);
+  if (best == nullptr || error) {
+    scan.result.error = error ? *error : nobody_text(sweep);
+  } else if (const auto why = client.set_mode(best->mode)) {
+    scan.result.error = port.device + ": " + *why;
   } else {
-    scan.result.error = error ? *error : nobody_text(port.device, sweep);
+    scan.result = identify_all(ask, port, catalogue, *best, show);
   }
-  line.clear();
+  show({});
   if (best != nullptr) {
     scan.line = line_found(port.device, best->mode);
     if (auto missing = missing_text(best->units, scan.result)) {

@@ -22,96 +22,6 @@ void insert_once(std::vector<std::uint8_t>& units, std::uint8_t unit) {
   }
 }
 
-}  // namespace
-
-Sweep::Sweep(SweepPlan plan) : plan_(std::move(plan)) {}
-
-std::optional<Sweep::Step> Sweep::next() const {
-  if (mode_ >= plan_.modes.size() || plan_.units.empty()) {
-    return std::nullopt;
-  }
-  return Step{plan_.modes[mode_], unit_ == 0, plan_.units[unit_]};
-}
-
-bool Sweep::is_asked(std::uint8_t unit) const {
-  const auto end = plan_.units.begin() + static_cast<std::ptrdiff_t>(unit_) + 1;
-  return std::find(plan_.units.begin(), end, unit) != end;
-}
-
-void Sweep::end_mode() {
-  const bool answered = !findings_.back().units.empty();
-  mode_ = answered && !plan_.all_modes ? plan_.modes.size() : mode_ + 1;
-  unit_ = 0;
-}
-
-void Sweep::take(const Heard& heard) {
-  if (unit_ == 0) {
-    findings_.push_back({plan_.modes[mode_]});
-  }
-  auto& found = findings_.back();
-  switch (heard.kind) {
-    case HeardKind::silence: break;
-    case HeardKind::answer: insert_once(found.units, plan_.units[unit_]); break;
-    case HeardKind::other_frame:
-      insert_once(found.others, heard.unit);
-      // A late answer is one too: the wait was too short, not the mode wrong.
-      if (is_asked(heard.unit)) {
-        insert_once(found.units, heard.unit);
-      }
-      break;
-    case HeardKind::bad_crc: ++found.bad_crcs; break;
-    case HeardKind::noise: ++found.noise; break;
-  }
-  if (heard.kind == HeardKind::bad_crc || heard.kind == HeardKind::noise) {
-    found.noise_bytes += heard.bytes;
-  }
-  if (++unit_ == plan_.units.size()) {
-    end_mode();
-  }
-}
-
-void Sweep::refuse_mode(std::string why) {
-  findings_.push_back({plan_.modes[mode_]});
-  findings_.back().refusal = std::move(why);
-  end_mode();
-}
-
-const ModeFindings* Sweep::best() const {
-  const auto answered = [](const ModeFindings& found) { return found.units.size(); };
-  const auto most = std::ranges::max_element(findings_, {}, answered);
-  return most == findings_.end() || most->units.empty() ? nullptr : &*most;
-}
-
-std::chrono::nanoseconds longest(const SweepPlan& plan) {
-  std::chrono::nanoseconds time{0};
-  for (const auto& mode : plan.modes) {
-    const modbus::RtuTiming timing(mode.baud, mode.format);
-    const auto each = timing.duration_of(kFrames) + plan.wait + timing.t3_5();
-    time += kModeSettling + each * static_cast<std::int64_t>(plan.units.size());
-  }
-  return time;
-}
-
-std::optional<std::string> carry_out_sweep(Sweep& sweep, const SweptLine& line) {
-  while (const auto step = sweep.next()) {
-    if (step->sets_mode) {
-      if (auto why = line.set_mode(step->mode)) {
-        sweep.refuse_mode(*std::move(why));
-        continue;
-      }
-    }
-    line.progress(sweep);
-    const auto heard = line.ask(step->unit);
-    if (!heard) {
-      return heard.error();
-    }
-    sweep.take(*heard);
-  }
-  return std::nullopt;
-}
-
-namespace {
-
 std::string at(const ModeFindings& found) { return fmt::format("at {} ", mode_text(found.mode)); }
 
 std::string frames_text(const ModeFindings& found) {
@@ -137,14 +47,101 @@ std::string noise_text(const ModeFindings& found) {
 
 }  // namespace
 
-std::string sweep_announcement(const std::string& device, const SweepPlan& plan) {
+Sweep::Sweep(SweepPlan plan) : plan_(std::move(plan)) {}
+
+std::optional<Sweep::Step> Sweep::next() const {
+  if (mode_ >= plan_.port.modes.size() || plan_.units.empty()) {
+    return std::nullopt;
+  }
+  return Step{plan_.port.modes[mode_], unit_ == 0, plan_.units[unit_]};
+}
+
+bool Sweep::is_asked(std::uint8_t unit) const {
+  const auto end = plan_.units.begin() + static_cast<std::ptrdiff_t>(unit_) + 1;
+  return std::find(plan_.units.begin(), end, unit) != end;
+}
+
+void Sweep::end_mode() {
+  const bool answered = !findings_.back().units.empty();
+  mode_ = answered && !plan_.port.all_modes ? plan_.port.modes.size() : mode_ + 1;
+  unit_ = 0;
+}
+
+void Sweep::take(const Heard& heard) {
+  if (unit_ == 0) {
+    findings_.push_back({plan_.port.modes[mode_]});
+  }
+  auto& found = findings_.back();
+  switch (heard.kind) {
+    case HeardKind::silence: break;
+    case HeardKind::answer: insert_once(found.units, plan_.units[unit_]); break;
+    case HeardKind::other_frame:
+      insert_once(found.others, heard.unit);
+      // A late answer is one too: the wait was too short, not the mode wrong.
+      if (is_asked(heard.unit)) {
+        insert_once(found.units, heard.unit);
+      }
+      break;
+    case HeardKind::bad_crc: ++found.bad_crcs; break;
+    case HeardKind::noise: ++found.noise; break;
+  }
+  if (heard.kind == HeardKind::bad_crc || heard.kind == HeardKind::noise) {
+    found.noise_bytes += heard.bytes;
+  }
+  if (++unit_ == plan_.units.size()) {
+    end_mode();
+  }
+}
+
+void Sweep::refuse_mode(std::string why) {
+  findings_.push_back({plan_.port.modes[mode_]});
+  findings_.back().refusal = std::move(why);
+  end_mode();
+}
+
+const ModeFindings* Sweep::best() const {
+  const auto answered = [](const ModeFindings& found) { return found.units.size(); };
+  const auto most = std::ranges::max_element(findings_, {}, answered);
+  return most == findings_.end() || most->units.empty() ? nullptr : &*most;
+}
+
+std::chrono::nanoseconds longest(const SweepPlan& plan) {
+  std::chrono::nanoseconds time{0};
+  for (const auto& mode : plan.port.modes) {
+    const modbus::RtuTiming timing(mode.baud, mode.format);
+    const auto each = timing.duration_of(kFrames) + plan.port.wait + timing.t3_5();
+    time += kModeSettling + each * static_cast<std::int64_t>(plan.units.size());
+  }
+  return time;
+}
+
+std::optional<std::string> carry_out_sweep(Sweep& sweep, const SweptLine& line) {
+  while (const auto step = sweep.next()) {
+    if (step->sets_mode) {
+      if (auto why = line.set_mode(step->mode)) {
+        sweep.refuse_mode(*std::move(why));
+        continue;
+      }
+    }
+    line.progress(sweep);
+    const auto heard = line.ask(step->unit);
+    if (!heard) {
+      return heard.error();
+    }
+    sweep.take(*heard);
+  }
+  return std::nullopt;
+}
+
+std::string sweep_announcement(const SweepPlan& plan) {
   const auto most = std::chrono::ceil<std::chrono::seconds>(longest(plan));
-  std::string text = fmt::format("asking {} at {}", counted(plan.units.size(), "unit"), device);
-  if (plan.modes.size() == 1) {
-    text += " at " + mode_text(plan.modes.front());
+  std::string text =
+      fmt::format("asking {} at {}", counted(plan.units.size(), "unit"), plan.port.device);
+  if (plan.port.modes.size() == 1) {
+    text += " at " + mode_text(plan.port.modes.front());
   } else {
-    text += fmt::format(" in {}, {} first", counted(plan.modes.size(), "mode"),
-                        mode_text(plan.modes.front()));
+    text += fmt::format(" in {}, {} first", counted(plan.port.modes.size(), "mode"),
+                        mode_text(plan.port.modes.front()));
   }
   return fmt::format("{}: {} at most; only reads are sent", text, config::to_text(most));
 }
@@ -154,7 +151,7 @@ std::string sweep_progress(const Sweep& sweep) {
   if (!step) {
     return {};
   }
-  const auto& modes = sweep.plan().modes;
+  const auto& modes = sweep.plan().port.modes;
   const auto number = std::ranges::find(modes, step->mode) - modes.begin() + 1;
   const bool begun = !step->sets_mode;
   const auto found = begun ? sweep.findings().back().units.size() : 0;
@@ -183,13 +180,13 @@ std::vector<std::string> sweep_notes(const Sweep& sweep) {
   return notes;
 }
 
-std::string nobody_text(const std::string& device, const Sweep& sweep) {
+std::string nobody_text(const Sweep& sweep) {
   const auto tried =
       std::ranges::count_if(sweep.findings(), [](const auto& found) { return !found.refusal; });
   const std::string modes = tried == 1 && sweep.findings().size() == 1
                                 ? "at " + mode_text(sweep.findings().front().mode)
                                 : "in " + counted(static_cast<std::size_t>(tried), "mode");
-  return fmt::format("no unit answered at {} {}", device, modes);
+  return fmt::format("no unit answered at {} {}", sweep.plan().port.device, modes);
 }
 
 std::string units_text(const std::vector<std::uint8_t>& units) {

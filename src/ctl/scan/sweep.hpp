@@ -9,16 +9,15 @@
 #include <string>
 #include <vector>
 
+#include "ctl/request/command.hpp"
 #include "ctl/serial/heard.hpp"
 #include "ctl/serial/serial_port.hpp"
 
 namespace mbgate::ctl {
 
 struct SweepPlan {
+  PortSweep port;  ///< with at least one mode
   std::vector<std::uint8_t> units;
-  std::vector<LineMode> modes;    ///< in the order in which they are tried; not empty
-  std::chrono::nanoseconds wait;  ///< for each answer
-  bool all_modes = false;         ///< else the first mode with an answer is the last one
 };
 
 /// What was learned in one mode.
@@ -87,7 +86,7 @@ std::optional<std::string> carry_out_sweep(Sweep& sweep, const SweptLine& line);
 // What is said of a sweep: before it, while it runs, and after it.
 
 /// "asking 32 units at /dev/ttyUSB0 in 15 modes, 9600 8E1 first: 58s at most; only reads are sent"
-std::string sweep_announcement(const std::string& device, const SweepPlan& plan);
+std::string sweep_announcement(const SweepPlan& plan);
 
 /// "9600 8N1 (2 of 15): asking unit 7, 0 found", of the next step.
 std::string sweep_progress(const Sweep& sweep);
@@ -97,7 +96,7 @@ std::string sweep_progress(const Sweep& sweep);
 std::vector<std::string> sweep_notes(const Sweep& sweep);
 
 /// "no unit answered at /dev/ttyUSB0 in 15 modes": where nobody did.
-std::string nobody_text(const std::string& device, const Sweep& sweep);
+std::string nobody_text(const Sweep& sweep);
 
 /// "unit 3" or "units 1-3, 7", of units in ascending order.
 std::string units_text(const std::vector<std::uint8_t>& units);

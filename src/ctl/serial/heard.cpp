@@ -10,6 +10,36 @@ namespace mbgate::ctl {
 
 using modbus::Bytes;
 using modbus::Pdu;
+using modbus::PduLength;
+
+namespace {
+
+/// The size of the frame at the begin of `rest`, if its PDU has this length and its CRC is right.
+std::optional<std::size_t> whole_size(Bytes rest, const PduLength& length) {
+  const auto size = length.bytes + modbus::kRtuOverhead;
+  const bool whole = length.kind == PduLength::Kind::known && size <= rest.size() &&
+                     modbus::decode_rtu(rest.first(size));
+  return whole ? std::optional(size) : std::nullopt;
+}
+
+std::optional<BusFrame> frame_at(Bytes heard, std::size_t begin) {
+  const auto rest = heard.subspan(begin);
+  if (rest.size() < modbus::kMinRtuSize || rest[0] > modbus::kMaxDeviceAddress) {
+    return std::nullopt;
+  }
+  const auto request = whole_size(rest, modbus::request_length(rest.subspan(1)));
+  const auto response = whole_size(rest, modbus::response_length(rest.subspan(1)));
+  if (request) {
+    return BusFrame{begin, *request, rest[0],
+                    request == response ? FrameKind::either : FrameKind::request};
+  }
+  if (response) {
+    return BusFrame{begin, *response, rest[0], FrameKind::response};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
 
 SentRead::SentRead(std::uint8_t unit, const modbus::TableRange& read)
     : unit_(unit),
@@ -31,12 +61,8 @@ std::optional<Pdu> SentRead::answer_at_begin(Bytes received) const {
   if (received.size() < modbus::kMinRtuSize || received.front() != unit_) {
     return std::nullopt;
   }
-  const auto length = modbus::response_length(received.subspan(1));
-  const auto size = length.bytes + modbus::kRtuOverhead;
-  if (length.kind != modbus::PduLength::Kind::known || size > received.size()) {
-    return std::nullopt;
-  }
-  const auto adu = modbus::decode_rtu(received.first(size));
+  const auto size = whole_size(received, modbus::response_length(received.subspan(1)));
+  const auto adu = size ? modbus::decode_rtu(received.first(*size)) : std::nullopt;
   const bool fits = adu && modbus::is_fitting(modbus::check_response(request_, adu->pdu.bytes()));
   return fits ? std::optional(adu->pdu) : std::nullopt;
 }
@@ -70,38 +96,6 @@ Heard SentRead::understand(Bytes received) const {
   }
   return heard;
 }
-
-namespace {
-
-using modbus::Bytes;
-using modbus::PduLength;
-
-/// The size of the frame at the begin of `rest`, if its PDU has this length and its CRC is right.
-std::optional<std::size_t> whole_size(Bytes rest, const PduLength& length) {
-  const auto size = length.bytes + modbus::kRtuOverhead;
-  const bool whole = length.kind == PduLength::Kind::known && size <= rest.size() &&
-                     modbus::decode_rtu(rest.first(size));
-  return whole ? std::optional(size) : std::nullopt;
-}
-
-std::optional<BusFrame> frame_at(Bytes heard, std::size_t begin) {
-  const auto rest = heard.subspan(begin);
-  if (rest.size() < modbus::kMinRtuSize || rest[0] > modbus::kMaxDeviceAddress) {
-    return std::nullopt;
-  }
-  const auto request = whole_size(rest, modbus::request_length(rest.subspan(1)));
-  const auto response = whole_size(rest, modbus::response_length(rest.subspan(1)));
-  if (request) {
-    return BusFrame{begin, *request, rest[0],
-                    request == response ? FrameKind::either : FrameKind::request};
-  }
-  if (response) {
-    return BusFrame{begin, *response, rest[0], FrameKind::response};
-  }
-  return std::nullopt;
-}
-
-}  // namespace
 
 BusFrames find_frames(Bytes heard) {
   BusFrames found;

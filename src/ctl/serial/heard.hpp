@@ -35,7 +35,6 @@ class SentRead {
  public:
   SentRead(std::uint8_t unit, const modbus::TableRange& read);
 
-  [[nodiscard]] std::uint8_t unit() const { return unit_; }
   [[nodiscard]] modbus::Bytes frame() const { return {frame_.data(), frame_.size()}; }
   /// Where the request itself stands in what was received, if the port receives what it sends.
   /// Before it there may be what a transceiver makes of turning round.

@@ -89,22 +89,36 @@ Result<std::optional<Piece>, std::string> SerialClient::take_piece(Instant begin
   return std::optional<Piece>();
 }
 
-std::optional<std::string> SerialClient::listen(const SentRead& sent, Instant until) {
-  const auto quiet =
-      std::max<nanoseconds>(kPieces, modbus::RtuTiming(mode_.baud, mode_.format).t3_5());
+Result<std::vector<Piece>, std::string> SerialClient::take_pieces(Instant begin, Instant end,
+                                                                  const NextEnd& next_end,
+                                                                  const IsOver& is_over) {
   received_.clear();
-  auto end = until;
+  std::vector<Piece> pieces;
   while (true) {
-    const auto piece = take_piece(until, end);
+    const auto slice_end = std::min<Instant>(end, steady_clock::now() + kSlice);
+    auto piece = take_piece(begin, slice_end);
     if (!piece) {
       return piece.error();
     }
-    if (!*piece || sent.answer_in(received())) {
-      return std::nullopt;
+    if (*piece) {
+      pieces.push_back(**std::move(piece));
+      const auto next = next_end(end);
+      if (!next) {
+        return pieces;
+      }
+      end = *next;
+    } else if (slice_end == end) {
+      return pieces;
     }
-    // After other bytes the answer may still come.
-    end = std::max(until, last_received_ + quiet);
+    if (is_full() || is_over()) {
+      return pieces;
+    }
   }
+}
+
+void SerialClient::rest(nanoseconds pause) {
+  const modbus::RtuTiming timing(mode_.baud, mode_.format);
+  ready_at_ = steady_clock::now() + std::max<nanoseconds>(timing.t3_5(), pause);
 }
 
 Result<Heard, std::string> SerialClient::ask(std::uint8_t unit, const modbus::TableRange& read,
@@ -117,14 +131,20 @@ Result<Heard, std::string> SerialClient::ask(std::uint8_t unit, const modbus::Ta
   if (auto error = send(sent.frame())) {
     return *std::move(error);
   }
-  if (auto error = listen(sent, begin + timing.duration_of(sent.frame().size()) + wait)) {
-    return *std::move(error);
+  const auto until = begin + timing.duration_of(sent.frame().size()) + wait;
+  const auto quiet = std::max<nanoseconds>(kPieces, timing.t3_5());
+  const auto next_end = [&](Instant /*end*/) {
+    // After other bytes the answer may still come.
+    return sent.answer_in(received()) ? std::nullopt
+                                      : std::optional(std::max(until, last_received_ + quiet));
+  };
+  if (const auto pieces = take_pieces(until, until, next_end); !pieces) {
+    return pieces.error();
   }
   auto heard = sent.understand(received());
   heard.took = last_received_ - begin;
   const bool understood = heard.kind == HeardKind::answer || heard.kind == HeardKind::silence;
-  const nanoseconds pause = understood ? nanoseconds(0) : nanoseconds(kPauseAfterNoise);
-  ready_at_ = steady_clock::now() + std::max<nanoseconds>(timing.t3_5(), pause);
+  rest(understood ? nanoseconds(0) : nanoseconds(kPauseAfterNoise));
   return heard;
 }
 
@@ -132,53 +152,27 @@ Result<std::vector<Piece>, std::string> SerialClient::ask_all(const SentRead& se
                                                               const ListenTimes& times,
                                                               const IsOver& is_over) {
   const modbus::RtuTiming timing(mode_.baud, mode_.format);
-  received_.clear();
   const auto left = steady_clock::now() + timing.duration_of(sent.frame().size());
   if (auto error = send(sent.frame())) {
     return *std::move(error);
   }
-  std::vector<Piece> pieces;
-  const auto answered_by = left + times.wait;
-  const auto latest = answered_by + timing.duration_of(modbus::kMaxRtuSize) + times.after_bytes;
-  auto end = answered_by;
-  while (true) {
-    const auto slice_end = std::min<Instant>(end, steady_clock::now() + kSlice);
-    auto piece = take_piece(left, slice_end);
-    if (!piece) {
-      return piece.error();
-    }
-    if (*piece) {
-      pieces.push_back(**std::move(piece));
-      end = sent.answer_in(received())
-                ? last_received_ + times.after_answer
-                : std::max<Instant>(answered_by, last_received_ + times.after_bytes);
-      end = std::min<Instant>(end, latest);
-    } else if (slice_end == end) {
-      break;
-    }
-    if (is_full() || is_over()) {
-      break;
-    }
-  }
-  ready_at_ = steady_clock::now() + std::max<nanoseconds>(timing.t3_5(), kPauseAfterNoise);
+  const Instant answered_by = left + times.wait;
+  const Instant latest = answered_by + timing.duration_of(modbus::kMaxRtuSize) + times.after_bytes;
+  const auto next_end = [&](Instant /*end*/) {
+    const Instant end = sent.answer_in(received())
+                            ? last_received_ + times.after_answer
+                            : std::max<Instant>(answered_by, last_received_ + times.after_bytes);
+    return std::optional(std::min(end, latest));
+  };
+  auto pieces = take_pieces(left, answered_by, next_end, is_over);
+  rest(kPauseAfterNoise);
   return pieces;
 }
 
 Result<std::vector<Piece>, std::string> SerialClient::overhear(nanoseconds time) {
-  received_.clear();
-  std::vector<Piece> pieces;
   const auto begin = steady_clock::now();
-  while (true) {
-    auto piece = take_piece(begin, begin + time);
-    if (!piece) {
-      return piece.error();
-    }
-    if (!*piece) {
-      break;
-    }
-    pieces.push_back(**std::move(piece));
-  }
-  ready_at_ = steady_clock::now() + modbus::RtuTiming(mode_.baud, mode_.format).t3_5();
+  auto pieces = take_pieces(begin, begin + time, [](Instant end) { return std::optional(end); });
+  rest(nanoseconds(0));
   return pieces;
 }
 

@@ -63,7 +63,13 @@ class SerialClient {
   SerialClient(std::string device, SerialPort port)
       : device_(std::move(device)), port_(std::move(port)) {}
   std::optional<std::string> send(modbus::Bytes frame);
-  std::optional<std::string> listen(const SentRead& sent, Instant until);
+  /// Takes what comes until `end`, which each piece moves; nothing: it was the last one.
+  using NextEnd = std::function<std::optional<Instant>(Instant end)>;
+  Result<std::vector<Piece>, std::string> take_pieces(
+      Instant begin, Instant end, const NextEnd& next_end,
+      const IsOver& is_over = [] { return false; });
+  /// The next frame goes out after t3.5, and not before this pause.
+  void rest(std::chrono::nanoseconds pause);
   /// Appends what comes until `until`. Nothing if nothing came.
   Result<std::optional<Piece>, std::string> take_piece(Instant begin, Instant until);
   [[nodiscard]] bool is_full() const;

@@ -5,7 +5,7 @@
 #include <cerrno>
 #include <filesystem>
 #include <fmt/format.h>
-#include <iterator>
+#include <ranges>
 #include <system_error>
 
 #include "base/text.hpp"
@@ -29,6 +29,38 @@ sys::TtyMode raw_mode(const LineMode& mode) {
   return {static_cast<std::uint32_t>(mode.baud), 8, parity, mode.format.stop_bits, true};
 }
 
+using modbus::Parity;
+
+constexpr std::uint32_t kFastestLine = 4'000'000;  // no UART of Linux has a faster one
+
+/// What `parse` makes of each word of a list with commas; nothing if it makes nothing of one.
+template <typename Parse>
+auto parse_list(std::string_view text, Parse parse) {
+  std::vector<typename decltype(parse(text))::value_type> all;
+  for (const auto word : std::views::split(text, ',')) {
+    const auto one = parse(std::string_view(word.begin(), word.end()));
+    if (!one) {
+      return std::optional<decltype(all)>();
+    }
+    all.push_back(*one);
+  }
+  return all.empty() ? std::nullopt : std::optional(std::move(all));
+}
+
+std::optional<std::uint32_t> number_of(std::string_view text, std::uint32_t most) {
+  const auto number = integer_in<std::uint32_t>(text);
+  return number >= 1U && *number <= most ? number : std::nullopt;
+}
+
+std::optional<Parity> parity_of(std::string_view word) {
+  for (const auto parity : {Parity::even, Parity::none, Parity::odd}) {
+    if (parity_word(parity) == word) {
+      return parity;
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 SerialPort::~SerialPort() {
@@ -46,7 +78,7 @@ Result<SerialPort, std::string> SerialPort::open(const std::string& device) {
   sys::UniqueFd fd = sys::open_tty(device);
   if (!fd.is_open()) {
     const int error = errno;  // before the names are looked up
-    return port_failure(device, error, serial_names());
+    return port_failure(device, error, paths_in());
   }
   return SerialPort(std::move(fd));
 }
@@ -95,7 +127,7 @@ bool is_held(const std::string& device, const std::string& error) {
   return error == held_text(device);
 }
 
-std::vector<std::string> serial_names(const std::string& folder) {
+std::vector<std::string> paths_in(const std::string& folder) {
   std::vector<std::string> names;
   std::error_code error;
   for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
@@ -123,54 +155,6 @@ std::optional<std::string> lasting_name(const std::string& device,
   return found == names.end() ? std::nullopt : std::optional(*found);
 }
 
-namespace {
-
-using modbus::Parity;
-
-constexpr std::uint32_t kFastestLine = 4'000'000;  // no UART of Linux has a faster one
-
-std::vector<std::string_view> listed(std::string_view text) {
-  std::vector<std::string_view> words;
-  while (true) {
-    const auto comma = text.find(',');
-    words.push_back(text.substr(0, comma));
-    if (comma == std::string_view::npos) {
-      return words;
-    }
-    text.remove_prefix(comma + 1);
-  }
-}
-
-std::optional<std::uint32_t> number_of(std::string_view text, std::uint32_t most) {
-  const auto number = integer_in<std::uint32_t>(text);
-  return number >= 1U && *number <= most ? number : std::nullopt;
-}
-
-std::optional<Parity> parity_of(std::string_view word) {
-  for (const auto parity : {Parity::even, Parity::none, Parity::odd}) {
-    if (parity_word(parity) == word) {
-      return parity;
-    }
-  }
-  return std::nullopt;
-}
-
-/// All formats of one parity.
-std::vector<modbus::CharacterFormat> formats(Parity parity,
-                                             const std::vector<unsigned>& stop_bits) {
-  if (parity != Parity::none) {
-    return {{8, parity, 1}};
-  }
-  std::vector<modbus::CharacterFormat> result;
-  result.reserve(stop_bits.size());
-  for (const auto bits : stop_bits) {
-    result.push_back({8, parity, bits});
-  }
-  return result;
-}
-
-}  // namespace
-
 std::string mode_text(const LineMode& mode) {
   return fmt::format("{} {}", fmt::underlying(mode.baud), modbus::format_text(mode.format));
 }
@@ -187,35 +171,28 @@ std::string_view parity_word(Parity parity) {
 Result<std::vector<LineMode>, std::string> parse_modes(std::string_view bauds,
                                                        std::string_view parities,
                                                        std::string_view stop_bits) {
-  std::vector<unsigned> stops;
-  for (const auto word : listed(stop_bits)) {
-    const auto bits = number_of(word, 2);
-    if (!bits) {
-      return fmt::format("\"{}\" is not a list of stop bits: 1, 2 or 1,2", stop_bits);
-    }
-    stops.push_back(*bits);
+  const auto stops = parse_list(stop_bits, [](auto word) { return number_of(word, 2); });
+  if (!stops) {
+    return fmt::format("\"{}\" is not a list of stop bits: 1, 2 or 1,2", stop_bits);
   }
-  std::vector<modbus::CharacterFormat> characters;
-  for (const auto word : listed(parities)) {
-    const auto parity = parity_of(word);
-    if (!parity) {
-      return fmt::format("\"{}\" is not a list of parities: even, none, odd, with commas",
-                         parities);
-    }
-    std::ranges::copy(formats(*parity, stops), std::back_inserter(characters));
+  const auto asked = parse_list(parities, &parity_of);
+  if (!asked) {
+    return fmt::format("\"{}\" is not a list of parities: even, none, odd, with commas", parities);
+  }
+  const auto rates = parse_list(bauds, [](auto word) { return number_of(word, kFastestLine); });
+  if (!rates) {
+    return fmt::format(
+        "\"{}\" is not a list of baud rates: 1 to 4000000, with commas, like 9600,19200", bauds);
   }
   std::vector<LineMode> modes;
-  for (const auto word : listed(bauds)) {
-    const auto baud = number_of(word, kFastestLine);
-    if (!baud) {
-      return fmt::format(
-          "\"{}\" is not a list of baud rates: 1 to 4000000, with commas, like 9600,19200", bauds);
-    }
-    for (const auto& format : characters) {
-      // What is listed twice is asked once.
-      if (const LineMode mode{modbus::Baud{*baud}, format};
-          std::ranges::find(modes, mode) == modes.end()) {
-        modes.push_back(mode);
+  for (const auto baud : *rates) {
+    for (const auto parity : *asked) {
+      for (const auto bits : parity == Parity::none ? *stops : std::vector{1U}) {
+        // What is listed twice is asked once.
+        if (const LineMode mode{modbus::Baud{baud}, {8, parity, bits}};
+            std::ranges::find(modes, mode) == modes.end()) {
+          modes.push_back(mode);
+        }
       }
     }
   }

@@ -69,8 +69,8 @@ std::string port_failure(const std::string& device, int error,
 /// Is `error`, of SerialPort::open() of `device`, that another program holds it?
 [[nodiscard]] bool is_held(const std::string& device, const std::string& error);
 
-/// The paths in `folder`, which are names of serial ports; sorted.
-std::vector<std::string> serial_names(const std::string& folder = kSerialNames);
+/// The paths in `folder`, by default the lasting names of serial ports; sorted.
+std::vector<std::string> paths_in(const std::string& folder = kSerialNames);
 
 /// The path among `names` that leads to the same port as `device` and is another one: it stays the
 /// same where adapters are plugged in otherwise.

@@ -15,7 +15,7 @@ using testing::IsEmpty;
 
 SweepPlan plan_of(std::vector<std::uint8_t> units, std::string_view bauds,
                   std::string_view parities) {
-  return {std::move(units), *parse_modes(bauds, parities, "1"), 100ms, false};
+  return {{"/dev/x", *parse_modes(bauds, parities, "1"), 100ms}, std::move(units)};
 }
 
 Heard heard_of(HeardKind kind, std::size_t bytes = 0, std::uint8_t unit = 0) {
@@ -64,7 +64,7 @@ TEST(Sweep, AsksEveryUnitInEveryModeWhereNobodyAnswers) {
   EXPECT_THAT(line.asked, ElementsAre("9600 8E1 1", "9600 8E1 2", "9600 8N1 1", "9600 8N1 2",
                                       "19200 8E1 1", "19200 8E1 2", "19200 8N1 1", "19200 8N1 2"));
   EXPECT_EQ(sweep.best(), nullptr);
-  EXPECT_EQ(nobody_text("/dev/x", sweep), "no unit answered at /dev/x in 4 modes");
+  EXPECT_EQ(nobody_text(sweep), "no unit answered at /dev/x in 4 modes");
   EXPECT_THAT(sweep_notes(sweep), IsEmpty());
 }
 
@@ -93,7 +93,7 @@ TEST(Sweep, TriesAllModesIfToldAndTakesTheOneOfMostUnits) {
   line.at("9600 8N1", 2, heard_of(HeardKind::answer));
   line.at("9600 8N1", 3, heard_of(HeardKind::answer));
   auto plan = plan_of({1, 2, 3}, "9600", "even,none,odd");
-  plan.all_modes = true;
+  plan.port.all_modes = true;
   Sweep sweep(plan);
   line.run(sweep);
   EXPECT_EQ(line.asked.size(), 9U);
@@ -142,7 +142,7 @@ TEST(Sweep, LeavesOutAModeThatThePortCannotHave) {
   line.run(sweep);
   EXPECT_THAT(line.asked, ElementsAre("9600 8E1 1"));
   EXPECT_THAT(sweep_notes(sweep), ElementsAre("115200 8E1 was left out: too fast"));
-  EXPECT_EQ(nobody_text("/dev/x", sweep), "no unit answered at /dev/x in 1 mode");
+  EXPECT_EQ(nobody_text(sweep), "no unit answered at /dev/x in 1 mode");
 }
 
 TEST(Sweep, EndsWithTheLineAndKeepsWhatItHas) {
@@ -158,11 +158,10 @@ TEST(Sweep, SaysHowLongItTakesAtMost) {
   // 15 characters of 11 bits and 3.5 more are 21.2 ms; then the wait, and 20 ms for the mode.
   const auto one = plan_of({1}, "9600", "even");
   EXPECT_EQ(std::chrono::round<std::chrono::microseconds>(longest(one)), 141'198us);
-  EXPECT_EQ(sweep_announcement("/dev/x", one),
+  EXPECT_EQ(sweep_announcement(one),
             "asking 1 unit at /dev/x at 9600 8E1: 1s at most; only reads are sent");
   std::vector<std::uint8_t> units(32);
-  EXPECT_EQ(sweep_announcement("/dev/x",
-                               plan_of(units, "9600,19200,115200,38400,57600", "even,none,odd")),
+  EXPECT_EQ(sweep_announcement(plan_of(units, "9600,19200,115200,38400,57600", "even,none,odd")),
             "asking 32 units at /dev/x in 15 modes, 9600 8E1 first: 53s at most; only reads are "
             "sent");
 }

@@ -110,14 +110,14 @@ TEST(SerialNames, LeadToPorts) {
   const Terminal terminal;
   std::filesystem::create_symlink("/dev/null", folder / "a");
   std::filesystem::create_symlink(terminal.path, folder / "b");
-  const auto names = serial_names(folder);
+  const auto names = paths_in(folder);
   const auto name = (folder / "b").string();
   EXPECT_EQ(names, (std::vector<std::string>{(folder / "a").string(), name}));
   EXPECT_EQ(lasting_name(terminal.path, names), name);
   EXPECT_EQ(lasting_name(name, names), std::nullopt);
   EXPECT_EQ(lasting_name("/dev/zero", names), std::nullopt);
   std::filesystem::remove_all(folder);
-  EXPECT_TRUE(serial_names(folder).empty());
+  EXPECT_TRUE(paths_in(folder).empty());
 }
 
 }  // namespace
