@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <fmt/core.h>
-#include <iterator>
+#include <fmt/format.h>
+#include <string_view>
 
 #include "base/text.hpp"
 #include "config/toml/toml_value.hpp"
@@ -16,10 +16,6 @@ std::string share_text(std::size_t part, std::size_t whole) {
   return fmt::format(" ({} %)", (part * 100 + whole / 2) / whole);
 }
 
-void append_part(std::string& text, const std::string& part) {
-  text.append(text.empty() ? "" : ", ").append(part);
-}
-
 std::string times_text(const std::vector<std::chrono::nanoseconds>& times) {
   if (times.empty()) {
     return {};
@@ -31,23 +27,18 @@ std::string times_text(const std::vector<std::chrono::nanoseconds>& times) {
 
 /// "3 with a bad CRC (15 %), 2 not answered": what went wrong.
 std::string failures_text(const Tally& tally) {
-  std::string text;
-  if (tally.bad_crcs > 0) {
-    append_part(text, fmt::format("{} with a bad CRC{}", tally.bad_crcs,
-                                  share_text(tally.bad_crcs, tally.asked)));
-  }
-  if (tally.noise > 0) {
-    append_part(text, fmt::format("{} with bytes that are not a frame{}", tally.noise,
-                                  share_text(tally.noise, tally.asked)));
-  }
-  if (tally.others > 0) {
-    append_part(text, fmt::format("{} with a frame that is not the answer", tally.others));
-  }
-  if (tally.silent > 0) {
-    append_part(
-        text, std::to_string(tally.silent) + (tally.overdue > 0 ? " not in time" : " not at all"));
-  }
-  return text;
+  std::vector<std::string> parts;
+  const auto add = [&](std::size_t count, std::string_view how, bool has_share = false) {
+    if (count > 0) {
+      parts.push_back(
+          fmt::format("{} {}{}", count, how, has_share ? share_text(count, tally.asked) : ""));
+    }
+  };
+  add(tally.bad_crcs, "with a bad CRC", true);
+  add(tally.noise, "with bytes that are not a frame", true);
+  add(tally.others, "with a frame that is not the answer");
+  add(tally.silent, tally.overdue > 0 ? "not in time" : "not at all");
+  return fmt::format("{}", fmt::join(parts, ", "));
 }
 
 std::string answered_text(const Tally& tally) {
@@ -111,8 +102,8 @@ std::string partly_advice(const Tally& tally, bool others_are_well) {
     advice = "look at termination, bias and shield of the line, and at motor cables beside it";
     advice += others_are_well ? "; or two devices at this address" : "";
   }
-  if (tally.silent > 0) {
-    advice += advice.empty() ? "look for a loose wire, and for a drive that is busy at times" : "";
+  if (tally.silent > 0 && advice.empty()) {
+    return "look for a loose wire, and for a drive that is busy at times";
   }
   return advice.empty() ? "look for another client on this line" : advice;
 }
@@ -190,13 +181,8 @@ Finding unit_finding(const LinePlan& plan, const UnitTrials& unit, bool others_a
 }  // namespace
 
 std::vector<Finding> answer_findings(const LinePlan& plan, const std::vector<UnitTrials>& units) {
-  std::vector<Tally> tallies;
-  std::ranges::transform(units, std::back_inserter(tallies), &tally_of);
-  Tally line;
-  for (const auto& tally : tallies) {
-    line.other_client = line.other_client || tally.other_client;
-    line.disturbed = line.disturbed || tally.disturbed;
-  }
+  const auto tallies = tallies_of(units);
+  const auto line = tally_of_line(tallies);
   std::vector<Finding> findings;
   for (std::size_t at = 0; at < units.size(); ++at) {
     const auto any_other = [&](auto fits) {

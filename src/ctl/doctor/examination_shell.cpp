@@ -29,14 +29,6 @@ bool examine_from_outside(const std::string& device, const ReportFinding& report
   return permission.verdict == Judgement::ok;
 }
 
-/// What can be said of the adapter without a byte on the line.
-void examine_latency(LinePlan& plan, const ReportFinding& report) {
-  auto latency = look_at_latency(plan.device);
-  latency.low_latency = plan.low_latency;
-  plan.adapter_delay = avoidable_delay(latency);
-  report(latency_finding(latency));
-}
-
 /// The port, with its mode set; nothing if it cannot be had.
 std::optional<SerialClient> take_port(LinePlan& plan, const ReportFinding& report) {
   auto client = SerialClient::open(plan.device);
@@ -52,7 +44,10 @@ std::optional<SerialClient> take_port(LinePlan& plan, const ReportFinding& repor
   if (!holders.empty()) {
     return std::nullopt;  // not even its mode is ours to set
   }
-  examine_latency(plan, report);
+  auto latency = look_at_latency(plan.device);
+  latency.low_latency = plan.low_latency;
+  plan.adapter_delay = avoidable_delay(latency);
+  report(latency_finding(latency));
   const auto refusal = client->set_mode(plan.mode);
   report(settings_finding(plan.mode, refusal));
   return refusal ? std::nullopt : std::optional(*std::move(client));

@@ -20,6 +20,18 @@ const char* verdict_word(Judgement verdict) {
   return "";
 }
 
+constexpr unsigned kGroupReadsAndWrites = 0060;
+/// What an FTDI chip collects for no longer is no delay worth a word.
+constexpr unsigned kShortTimer = 2;
+
+/// "mbgated (process 12) has /dev/ttyUSB0 open"
+std::string holders_text(const std::vector<Holder>& holders, const std::string& device) {
+  const auto names = joined(holders, [](const Holder& it) {
+    return fmt::format("{} (process {})", it.name, it.process);
+  });
+  return fmt::format("{} {} {} open", names, holders.size() == 1 ? "has" : "have", device);
+}
+
 }  // namespace
 
 std::string finding_line(const Finding& finding) {
@@ -51,86 +63,62 @@ std::string tenths_text(std::chrono::nanoseconds time) {
   return fmt::format("{}.{} ms", tenths / 10, tenths % 10);
 }
 
-namespace {
-
-constexpr unsigned kGroupReadsAndWrites = 0060;
-/// What an FTDI chip collects for no longer is no delay worth a word.
-constexpr unsigned kShortTimer = 2;
-
-/// "mbgated (process 12)"
-std::string holders_text(const std::vector<Holder>& holders) {
-  return joined(holders, [](const Holder& it) {
-    return fmt::format("{} (process {})", it.name, it.process);
-  });
-}
-
-bool is_gateway(const Holder& holder) { return holder.name == "mbgated"; }
-
-}  // namespace
-
 Finding port_finding(const std::string& device, const PortFacts& facts) {
-  Finding finding{Judgement::fault, "port", {}};
   if (facts.error != 0) {
-    finding.seen = port_failure(device, facts.error, facts.names);
-    finding.advice =
-        facts.names.empty() ? "is the adapter plugged in? look at dmesg" : "name one of these";
-  } else if (!facts.is_character_device) {
-    finding.seen = device + " is not a serial port";
-    finding.advice = "name a serial port, such as one in /dev/serial/by-id";
-  } else {
-    finding.verdict = Judgement::ok;
-    finding.seen = device + " exists";
-    if (!facts.is_lasting && !facts.leading.empty()) {
-      finding.advice = fmt::format(
-          "this name may change when adapters are plugged in differently; this one does not: {}",
-          fmt::join(facts.leading, ", "));
-    }
+    return {Judgement::fault, "port", port_failure(device, facts.error, facts.names),
+            facts.names.empty() ? "is the adapter plugged in? look at dmesg" : "name one of these"};
+  }
+  if (!facts.is_character_device) {
+    return {Judgement::fault, "port", device + " is not a serial port",
+            "name a serial port, such as one in /dev/serial/by-id"};
+  }
+  Finding finding{Judgement::ok, "port", device + " exists"};
+  if (!facts.is_lasting && !facts.leading.empty()) {
+    finding.advice = fmt::format(
+        "this name may change when adapters are plugged in differently; this one does not: {}",
+        fmt::join(facts.leading, ", "));
   }
   return finding;
 }
 
 Finding permission_finding(const std::string& device, const PermissionFacts& facts) {
-  Finding finding{Judgement::ok, "permission", fmt::format("{} may open {}", facts.user, device)};
   if (facts.error == 0) {
-    return finding;
+    return {Judgement::ok, "permission", fmt::format("{} may open {}", facts.user, device)};
   }
-  finding.verdict = Judgement::fault;
-  finding.seen = fmt::format("{} may not open {}: ", facts.user, device);
-  const bool group_may = (facts.mode & kGroupReadsAndWrites) == kGroupReadsAndWrites;
-  if (!group_may) {
-    finding.seen +=
-        fmt::format("its mode is {:04o}, of {} and group {}", facts.mode, facts.owner, facts.group);
-    finding.advice = "a udev rule must give it to a group, or run this with sudo";
-  } else if (facts.is_member) {
-    finding.seen += fmt::format("{}, though a member of group {}",
-                                std::generic_category().message(facts.error), facts.group);
-    finding.advice = "look for what else forbids it: getfacl " + device;
-  } else if (facts.becomes_member) {
-    finding.seen +=
-        fmt::format("a member of group {}, but not yet in this login session", facts.group);
-    finding.advice = "log in again";
-  } else {
-    finding.seen += fmt::format("not a member of group {}, which owns it", facts.group);
-    finding.advice = fmt::format("sudo adduser {} {}, then log in again", facts.user, facts.group);
+  const auto fault = [&](const std::string& why, const std::string& advice) {
+    return Finding{Judgement::fault, "permission",
+                   fmt::format("{} may not open {}: {}", facts.user, device, why), advice};
+  };
+  if ((facts.mode & kGroupReadsAndWrites) != kGroupReadsAndWrites) {
+    return fault(
+        fmt::format("its mode is {:04o}, of {} and group {}", facts.mode, facts.owner, facts.group),
+        "a udev rule must give it to a group, or run this with sudo");
   }
-  return finding;
+  if (facts.is_member) {
+    return fault(fmt::format("{}, though a member of group {}",
+                             std::generic_category().message(facts.error), facts.group),
+                 "look for what else forbids it: getfacl " + device);
+  }
+  if (facts.becomes_member) {
+    return fault(
+        fmt::format("a member of group {}, but not yet in this login session", facts.group),
+        "log in again");
+  }
+  return fault(fmt::format("not a member of group {}, which owns it", facts.group),
+               fmt::format("sudo adduser {} {}, then log in again", facts.user, facts.group));
 }
 
 Finding held_finding(const std::string& device, const std::vector<Holder>& holders) {
-  Finding finding{Judgement::fault, "holder", "a gateway or another program holds " + device};
   if (holders.empty()) {
-    finding.advice = fmt::format(
-        "sudo fuser -v {} names it; stop a gateway with sudo systemctl stop mbgated, or ask it "
-        "with mbgatectl status",
-        device);
-    return finding;
+    return {Judgement::fault, "holder", "a gateway or another program holds " + device,
+            fmt::format("sudo fuser -v {} names it; stop a gateway with sudo systemctl stop "
+                        "mbgated, or ask it with mbgatectl status",
+                        device)};
   }
-  finding.seen = fmt::format("{}{}{} open, and it is locked", holders_text(holders),
-                             holders.size() == 1 ? " has " : " have ", device);
-  finding.advice = is_gateway(holders.front())
-                       ? "ask it with mbgatectl status, or stop it: sudo systemctl stop mbgated"
-                       : "end it first";
-  return finding;
+  return {Judgement::fault, "holder", holders_text(holders, device) + ", and it is locked",
+          holders.front().name == "mbgated"
+              ? "ask it with mbgatectl status, or stop it: sudo systemctl stop mbgated"
+              : "end it first"};
 }
 
 Finding free_finding(const std::string& device, const std::vector<Holder>& others) {
@@ -138,20 +126,18 @@ Finding free_finding(const std::string& device, const std::vector<Holder>& other
     return {Judgement::ok, "holder", "no other program is seen to have it open"};
   }
   return {Judgement::fault, "holder",
-          fmt::format("{}{}{} open too; nothing was sent, because each program would take bytes "
-                      "from the others",
-                      holders_text(others), others.size() == 1 ? " has " : " have ", device),
+          holders_text(others, device) +
+              " too; nothing was sent, because each program would take bytes from the others",
           "end it first"};
 }
 
 Finding latency_finding(const LatencyFacts& facts) {
-  Finding finding{Judgement::unknown, "latency", {}};
   if (!facts.timer) {
-    finding.seen = facts.real_path + " is not an FTDI adapter, or does not show its timer";
-    return finding;
+    return {Judgement::unknown, "latency",
+            facts.real_path + " is not an FTDI adapter, or does not show its timer"};
   }
-  finding.verdict = Judgement::ok;
-  finding.seen = fmt::format("the adapter hands bytes over after {} ms", *facts.timer);
+  Finding finding{Judgement::ok, "latency",
+                  fmt::format("the adapter hands bytes over after {} ms", *facts.timer)};
   if (*facts.timer <= kShortTimer) {
     return finding;
   }

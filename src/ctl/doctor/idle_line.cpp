@@ -26,27 +26,26 @@ std::string first_frame_text(modbus::Bytes heard, const BusFrame& frame) {
 
 /// Of a line with whole frames on it.
 Finding frames_finding(const IdleLine& line, const BusFrames& found, const std::string& during) {
-  Finding finding{Judgement::fault, "idle line", {}};
   const auto count = counted(found.frames.size(), "frame");
-  const auto first = ", the first: " + first_frame_text(line.heard, found.frames.front());
+  const auto first = first_frame_text(line.heard, found.frames.front());
   if (requests_in(found) > 0) {
-    finding.seen =
-        fmt::format("another client is on this line: {} heard{}{}", count, during, first);
-    finding.advice = kOneClient;
-  } else if (found.frames.size() > 1) {
-    finding.seen = fmt::format(
-        "{} of devices heard{}, but not the requests: another client whose requests do not "
-        "reach this port, as on four wires{}",
-        count, during, first);
-    finding.advice = kOneClient;
-  } else {
-    finding.verdict = Judgement::unknown;
-    finding.seen =
-        fmt::format("{} heard{}: {}; a late answer to a program that has ended, or another client",
-                    count, during, first_frame_text(line.heard, found.frames.front()));
-    finding.advice = "run this again";
+    return {Judgement::fault, "idle line",
+            fmt::format("another client is on this line: {} heard{}, the first: {}", count, during,
+                        first),
+            kOneClient};
   }
-  return finding;
+  if (found.frames.size() > 1) {
+    return {Judgement::fault, "idle line",
+            fmt::format("{} of devices heard{}, but not the requests: another client whose "
+                        "requests do not reach this port, as on four wires, the first: {}",
+                        count, during, first),
+            kOneClient};
+  }
+  return {
+      Judgement::unknown, "idle line",
+      fmt::format("{} heard{}: {}; a late answer to a program that has ended, or another client",
+                  count, during, first),
+      "run this again"};
 }
 
 /// What bytes that are no frames look like.
@@ -75,19 +74,16 @@ Finding idle_finding(const IdleLine& line, const LineMode& mode) {
     return frames_finding(line, found, during);
   }
   const modbus::Bytes heard(line.heard);
-  Finding finding{Judgement::fault, "idle line", {}};
-  finding.seen =
+  const auto seen =
       fmt::format("{} heard{} that {} not a frame at {}: {}{}", counted(line.bytes, "byte"), during,
                   line.bytes == 1 ? "is" : "are", mode_text(mode),
                   modbus::hex(heard.first(std::min(heard.size(), kBytesShown))),
                   line.bytes > kBytesShown ? " .." : "");
   if (line.bytes <= kFewBytes) {
-    finding.verdict = Judgement::unknown;
-    finding.advice = "an adapter may make them when it is opened: run this again";
-  } else {
-    finding.advice = likeness(heard);
+    return {Judgement::unknown, "idle line", seen,
+            "an adapter may make them when it is opened: run this again"};
   }
-  return finding;
+  return {Judgement::fault, "idle line", seen, likeness(heard)};
 }
 
 bool is_of_another_client(const IdleLine& line) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <fmt/core.h>
-#include <iterator>
 
 #include "base/text.hpp"
 #include "ctl/doctor/findings.hpp"
@@ -15,20 +14,6 @@ namespace {
 constexpr std::size_t kEnoughDoubled = 2;
 /// So many damaged answers, and no good one, are no accident.
 constexpr std::size_t kEnoughDamaged = 3;
-
-/// Of all units together; only what is asked of a line below.
-Tally tally_of_line(const std::vector<UnitTrials>& units) {
-  Tally line;
-  for (const auto& unit : units) {
-    const auto tally = tally_of(unit);
-    line.asked += tally.asked;
-    line.answered += tally.answered;
-    line.echoes += tally.echoes;
-    line.other_client = line.other_client || tally.other_client;
-    line.disturbed = line.disturbed || tally.disturbed;
-  }
-  return line;
-}
 
 Finding full_echo_finding(const LinePlan& plan) {
   Finding finding{Judgement::ok, "echo",
@@ -81,20 +66,6 @@ Finding damaged_finding(const UnitTrials& unit, const Tally& tally) {
           "switch it off: if something still answers, there is a second one"};
 }
 
-Finding other_client_finding(const std::string& request) {
-  return {
-      Judgement::fault, "other client",
-      fmt::format("a request of another client was heard: {}; no more requests were sent", request),
-      kOneClient};
-}
-
-Finding unasked_finding(const Unasked& unasked) {
-  return {Judgement::fault, "between requests",
-          counted(unasked.bytes, "byte") + " came without a request; no more requests were sent",
-          "looks like noise (termination, bias, shield, motor cables beside it), or like another "
-          "client, maybe at another rate or parity"};
-}
-
 }  // namespace
 
 std::optional<Finding> foreign_finding(const Unasked& before,
@@ -109,14 +80,25 @@ std::optional<Finding> foreign_finding(const Unasked& before,
   const auto other = std::ranges::find_if(
       all, [](const Unasked& unasked) { return !unasked.other_client.empty(); });
   if (other != all.end()) {
-    return other_client_finding(other->other_client);
+    return Finding{Judgement::fault, "other client",
+                   fmt::format("a request of another client was heard: {}; no more requests were "
+                               "sent",
+                               other->other_client),
+                   kOneClient};
   }
   const auto foreign = std::ranges::find_if(all, &Unasked::is_foreign);
-  return foreign == all.end() ? std::nullopt : std::optional(unasked_finding(*foreign));
+  if (foreign == all.end()) {
+    return std::nullopt;
+  }
+  return Finding{
+      Judgement::fault, "between requests",
+      counted(foreign->bytes, "byte") + " came without a request; no more requests were sent",
+      "looks like noise (termination, bias, shield, motor cables beside it), or like another "
+      "client, maybe at another rate or parity"};
 }
 
 Finding echo_finding(const LinePlan& plan, const std::vector<UnitTrials>& units) {
-  const auto line = tally_of_line(units);
+  const auto line = tally_of_line(tallies_of(units));
   if (line.echoes == line.asked) {
     return full_echo_finding(plan);
   }
@@ -138,9 +120,8 @@ Finding echo_finding(const LinePlan& plan, const std::vector<UnitTrials>& units)
 }
 
 Finding addresses_finding(const std::vector<UnitTrials>& units) {
-  const auto line = tally_of_line(units);
-  std::vector<Tally> tallies;
-  std::ranges::transform(units, std::back_inserter(tallies), &tally_of);
+  const auto tallies = tallies_of(units);
+  const auto line = tally_of_line(tallies);
   const auto doubled = std::ranges::max_element(tallies, {}, &Tally::doubled);
   if (doubled != tallies.end() && doubled->doubled > 0) {
     return doubled_finding(units[static_cast<std::size_t>(doubled - tallies.begin())], *doubled,

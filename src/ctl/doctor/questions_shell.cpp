@@ -61,11 +61,8 @@ std::optional<std::string> Questions::listen(IdleLine& idle) {
 
 std::optional<std::string> Questions::ask(Answers& answers) {
   for (const auto& unit : plan_.units) {
-    if (auto error = ask_unit(unit, answers)) {
+    if (auto error = ask_unit(unit, answers); error || is_foreign_) {
       return error;
-    }
-    if (is_foreign_) {
-      return std::nullopt;
     }
   }
   return std::nullopt;
@@ -113,13 +110,6 @@ std::optional<std::string> Questions::look(Answers& answers, nanoseconds time) {
   return std::nullopt;
 }
 
-std::optional<std::string> Questions::approach(const PlannedUnit& unit, Answers& answers) {
-  if (interruption_.wait_until(client_.ready_at() + unit.pause)) {
-    return kEndedBySignal;
-  }
-  return look(answers, nanoseconds(0));
-}
-
 std::optional<std::string> Questions::ask_once(const PlannedUnit& unit, Answers& answers) {
   const SentRead sent(unit.address, read_);
   bool interrupted = false;
@@ -153,7 +143,10 @@ std::optional<std::string> Questions::settle(const PlannedUnit& unit, Answers& a
 
 std::optional<std::string> Questions::ask_unit(const PlannedUnit& unit, Answers& answers) {
   for (std::size_t asked = 0; asked < command_.requests; ++asked) {
-    if (auto error = approach(unit, answers); error || is_foreign_) {
+    if (interruption_.wait_until(client_.ready_at() + unit.pause)) {
+      return kEndedBySignal;
+    }
+    if (auto error = look(answers, nanoseconds(0)); error || is_foreign_) {
       return error;
     }
     if (auto error = ask_once(unit, answers); error || is_foreign_) {

@@ -36,8 +36,6 @@ class Questions {
   std::optional<std::string> hear(std::chrono::nanoseconds time, IdleLine& line);
   /// Takes what came since the last request, and what comes within `time`.
   std::optional<std::string> look(Answers& answers, std::chrono::nanoseconds time);
-  /// Waits until a request may be sent, and looks at the line before.
-  std::optional<std::string> approach(const PlannedUnit& unit, Answers& answers);
   std::optional<std::string> ask_once(const PlannedUnit& unit, Answers& answers);
   /// Where it cannot be known which request an answer was to, waits until none is owed any more.
   std::optional<std::string> settle(const PlannedUnit& unit, Answers& answers);

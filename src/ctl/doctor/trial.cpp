@@ -41,64 +41,6 @@ std::string other_request_in(const SentRead& sent, modbus::Bytes heard) {
   return text;
 }
 
-}  // namespace
-
-bool Unasked::is_foreign() const { return bytes > kFewBytes || !other_client.empty(); }
-
-Trial understand(const SentRead& sent, const std::vector<Piece>& pieces) {
-  std::vector<std::uint8_t> all;
-  for (const auto& piece : pieces) {
-    all.insert(all.end(), piece.bytes.begin(), piece.bytes.end());
-  }
-  const auto heard = sent.understand(all);
-  Trial trial{heard.kind};
-  trial.bytes = heard.bytes;
-  trial.other_unit = heard.unit;
-  const auto echo = sent.echo_in(all);
-  trial.echo = echo.has_value();
-  if (heard.response && heard.response->is_exception()) {
-    trial.exception = heard.response->bytes()[1];
-  }
-  // Divided at the echo: what is before it and its begin could look like a frame together.
-  const auto begin = all.size() - heard.bytes;
-  const auto rest = modbus::Bytes(all).subspan(begin);
-  trial.other_client = other_request_in(sent, modbus::Bytes(all).first(echo.value_or(0)));
-  if (trial.other_client.empty()) {
-    trial.other_client = other_request_in(sent, rest);
-  }
-  for (const auto& frame : find_frames(rest).frames) {
-    if (sent.answer_in(rest.subspan(frame.begin, frame.size)) && ++trial.answers == 1) {
-      trial.took = time_of(pieces, begin + frame.begin);
-    }
-  }
-  return trial;
-}
-
-Unasked understand_unasked(const modbus::TableRange& read, const std::vector<std::uint8_t>& asked,
-                           modbus::Bytes heard) {
-  const auto found = find_frames(heard);
-  Unasked unasked;
-  unasked.bytes = found.stray;
-  for (const auto& frame : found.frames) {
-    const auto bytes = heard.subspan(frame.begin, frame.size);
-    const SentRead sent(frame.unit, read);
-    const bool was_asked = std::ranges::find(asked, frame.unit) != asked.end();
-    if (was_asked && std::ranges::equal(bytes, sent.frame())) {
-      continue;  // a late echo
-    }
-    if (was_asked && sent.answer_in(bytes)) {
-      unasked.late_answers += frame.unit == asked.back() ? 1 : 0;
-    } else if (is_request(frame)) {
-      unasked.other_client = request_text(bytes);
-    } else {
-      unasked.bytes += frame.size;
-    }
-  }
-  return unasked;
-}
-
-namespace {
-
 /// So many requests in a row without a byte: more of them say nothing new.
 constexpr std::ptrdiff_t kGivenUp = 3;
 /// Nor do more than so many of which none was answered, whatever was heard.
@@ -143,6 +85,59 @@ bool is_answered(const Trial& trial) {
 
 }  // namespace
 
+bool Unasked::is_foreign() const { return bytes > kFewBytes || !other_client.empty(); }
+
+Trial understand(const SentRead& sent, const std::vector<Piece>& pieces) {
+  std::vector<std::uint8_t> all;
+  for (const auto& piece : pieces) {
+    all.insert(all.end(), piece.bytes.begin(), piece.bytes.end());
+  }
+  const auto heard = sent.understand(all);
+  Trial trial{heard.kind};
+  trial.bytes = heard.bytes;
+  const auto echo = sent.echo_in(all);
+  trial.echo = echo.has_value();
+  if (heard.response && heard.response->is_exception()) {
+    trial.exception = heard.response->bytes()[1];
+  }
+  // Divided at the echo: what is before it and its begin could look like a frame together.
+  const auto begin = all.size() - heard.bytes;
+  const auto rest = modbus::Bytes(all).subspan(begin);
+  trial.other_client = other_request_in(sent, modbus::Bytes(all).first(echo.value_or(0)));
+  if (trial.other_client.empty()) {
+    trial.other_client = other_request_in(sent, rest);
+  }
+  for (const auto& frame : find_frames(rest).frames) {
+    if (sent.answer_in(rest.subspan(frame.begin, frame.size)) && ++trial.answers == 1) {
+      trial.took = time_of(pieces, begin + frame.begin);
+    }
+  }
+  return trial;
+}
+
+Unasked understand_unasked(const modbus::TableRange& read, const std::vector<std::uint8_t>& asked,
+                           modbus::Bytes heard) {
+  const auto found = find_frames(heard);
+  Unasked unasked;
+  unasked.bytes = found.stray;
+  for (const auto& frame : found.frames) {
+    const auto bytes = heard.subspan(frame.begin, frame.size);
+    const SentRead sent(frame.unit, read);
+    const bool was_asked = std::ranges::find(asked, frame.unit) != asked.end();
+    if (was_asked && std::ranges::equal(bytes, sent.frame())) {
+      continue;  // a late echo
+    }
+    if (was_asked && sent.answer_in(bytes)) {
+      unasked.late_answers += frame.unit == asked.back() ? 1 : 0;
+    } else if (is_request(frame)) {
+      unasked.other_client = request_text(bytes);
+    } else {
+      unasked.bytes += frame.size;
+    }
+  }
+  return unasked;
+}
+
 Tally tally_of(const UnitTrials& unit) {
   Tally tally;
   std::size_t owed = 0;
@@ -165,6 +160,24 @@ Tally tally_of(const UnitTrials& unit) {
   }
   std::ranges::sort(tally.times);
   return tally;
+}
+
+std::vector<Tally> tallies_of(const std::vector<UnitTrials>& units) {
+  std::vector<Tally> tallies;
+  std::ranges::transform(units, std::back_inserter(tallies), &tally_of);
+  return tallies;
+}
+
+Tally tally_of_line(const std::vector<Tally>& tallies) {
+  Tally line;
+  for (const auto& tally : tallies) {
+    line.asked += tally.asked;
+    line.answered += tally.answered;
+    line.echoes += tally.echoes;
+    line.other_client = line.other_client || tally.other_client;
+    line.disturbed = line.disturbed || tally.disturbed;
+  }
+  return line;
 }
 
 std::chrono::nanoseconds answer_wait(const PlannedUnit& unit) {

@@ -25,11 +25,10 @@ struct Unasked {
 
 struct Trial {
   HeardKind kind = HeardKind::silence;
-  bool echo = false;            ///< the request itself came back
-  unsigned answers = 0;         ///< whole ones, of the unit to this read
-  std::string other_client{};   ///< a request that was not ours, in words; empty: none
-  std::uint8_t other_unit = 0;  ///< of HeardKind::other_frame
-  std::size_t bytes = 0;        ///< with an echo, behind it
+  bool echo = false;           ///< the request itself came back
+  unsigned answers = 0;        ///< whole ones, of the unit to this read
+  std::string other_client{};  ///< a request that was not ours, in words; empty: none
+  std::size_t bytes = 0;       ///< with an echo, behind it
   std::optional<std::uint8_t> exception{};
   std::chrono::nanoseconds took{0};  ///< from the end of the request to the answer's first bytes
   Unasked after{};                   ///< what came before the next request was sent
@@ -74,6 +73,10 @@ struct Tally {
 };
 
 Tally tally_of(const UnitTrials& unit);
+std::vector<Tally> tallies_of(const std::vector<UnitTrials>& units);
+
+/// Of all units together; only what is asked of a line is counted.
+Tally tally_of_line(const std::vector<Tally>& tallies);
 
 /// How long a unit is listened to for an answer. Those that the gateway does not wait for are heard
 /// too.
