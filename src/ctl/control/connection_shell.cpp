@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "base/text.hpp"
+#include "modbus/result.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -81,37 +82,38 @@ error_code connect_to(ControlConnection& connection, const stream_protocol::endp
 }
 
 /// What a name stands for, or why that is not known.
-struct LookedUp {
-  std::vector<stream_protocol::endpoint> found;
-  error_code error;
-};
+using Endpoints = Result<std::vector<stream_protocol::endpoint>, error_code>;
 
-LookedUp look_up(const HostAndPort& server) {
-  LookedUp result;
+Endpoints look_up(const HostAndPort& server) {
+  error_code error;
   boost::asio::io_context context;
-  tcp::resolver resolver(context);
-  for (const auto& entry :
-       resolver.resolve(server.host, std::to_string(server.port), result.error)) {
-    result.found.emplace_back(entry.endpoint());
+  const auto found =
+      tcp::resolver(context).resolve(server.host, std::to_string(server.port), error);
+  if (error) {
+    return error;
   }
-  return result;
+  std::vector<stream_protocol::endpoint> endpoints;
+  for (const auto& entry : found) {
+    endpoints.emplace_back(entry.endpoint());
+  }
+  return endpoints;
 }
 
 /// Nothing interrupts the system's search for a name, and Asio would wait for it to end. So it has
 /// a thread of its own, which is left behind where the time is over: it ends with its search,
 /// or with the process. An address needs none of that.
-LookedUp look_up_in_time(const HostAndPort& server, const WaitLimit& limit) {
+Endpoints look_up_in_time(const HostAndPort& server, const WaitLimit& limit) {
   error_code is_a_name;
   const auto address = boost::asio::ip::make_address(server.host, is_a_name);
   if (!is_a_name) {
-    return {{tcp::endpoint(address, server.port)}, {}};
+    return std::vector<stream_protocol::endpoint>{tcp::endpoint(address, server.port)};
   }
-  std::packaged_task<LookedUp()> task([server] { return look_up(server); });
+  std::packaged_task<Endpoints()> task([server] { return look_up(server); });
   auto result = task.get_future();
   std::thread(std::move(task)).detach();
   while (result.wait_for(kLook) != std::future_status::ready) {
     if (limit.is_over()) {
-      return {{}, boost::asio::error::timed_out};
+      return error_code(boost::asio::error::timed_out);
     }
   }
   return result.get();
@@ -138,14 +140,14 @@ error_code connect(ControlConnection& connection, const std::string& place,
   if (!is_tcp(place)) {
     return connect_to(connection, boost::asio::local::stream_protocol::endpoint(place), limit);
   }
-  const LookedUp server = look_up_in_time(*parse_place(place), limit);
-  if (server.error) {
-    return server.error;
+  const Endpoints found = look_up_in_time(*parse_place(place), limit);
+  if (!found) {
+    return found.error();
   }
-  return try_in_turn(server.found.size(), limit, [&](std::size_t at, const WaitLimit& share) {
+  return try_in_turn(found->size(), limit, [&](std::size_t at, const WaitLimit& share) {
     error_code ignored;
     static_cast<void>(connection.close(ignored));
-    return connect_to(connection, server.found[at], share);
+    return connect_to(connection, (*found)[at], share);
   });
 }
 

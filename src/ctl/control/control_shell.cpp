@@ -18,15 +18,6 @@ namespace {
 
 namespace http = boost::beast::http;
 
-http::request<http::empty_body> request_for(const ControlConnection& connection,
-                                            const std::string& method, const std::string& target) {
-  http::request<http::empty_body> request(http::string_to_verb(method), target, 11);
-  request.set(http::field::host, host_of(connection));
-  request.set(http::field::connection, "close");
-  request.prepare_payload();
-  return request;
-}
-
 Result<ControlAnswer, std::string> parsed_answer(
     const std::string& place, const http::response<http::string_body>& response) {
   boost::system::error_code error;
@@ -56,8 +47,14 @@ class Exchange {
 
   /// Connects, and sends the request. Returns why not, or nothing.
   std::string ask(const std::string& method, const std::string& target) {
+    if (std::string why = wrong_place(place_); !why.empty()) {
+      return why;
+    }
     error_ = connect(connection_, place_, wait_limit_);
-    request_ = request_for(connection_, method, target);
+    request_ = {http::string_to_verb(method), target, 11};
+    request_.set(http::field::host, host_of(connection_));
+    request_.set(http::field::connection, "close");
+    request_.prepare_payload();
     if (!error_) {
       do_in_time([&](auto done) { http::async_write(connection_, request_, done); });
     }
@@ -150,13 +147,14 @@ std::string error_of(const ControlAnswer& answer) {
              : fmt::format("unexpected answer, HTTP status {}", answer.status);
 }
 
+std::string other_version(const std::exception& exception) {
+  return fmt::format("mbgated and mbgatectl have different versions: {}", exception.what());
+}
+
 Result<ControlAnswer, std::string> ask_control(const std::string& place, const std::string& method,
                                                const std::string& target,
                                                std::chrono::seconds limit,
                                                const std::function<bool()>& give_up) {
-  if (std::string why = wrong_place(place); !why.empty()) {
-    return why;
-  }
   Exchange exchange(place, limit, true, give_up);
   http::response_parser<http::string_body> response;
   std::string failure = exchange.ask(method, target);
@@ -169,9 +167,6 @@ Result<ControlAnswer, std::string> ask_control(const std::string& place, const s
 std::string follow_control(const std::string& place, const std::string& target,
                            const Interruption& interruption,
                            const std::function<bool(std::string_view)>& take) {
-  if (std::string why = wrong_place(place); !why.empty()) {
-    return why;
-  }
   Exchange answer(place, kSilenceLimit, false);
   http::response_parser<http::empty_body> head;
   std::string failure = interruption.endable([&] {

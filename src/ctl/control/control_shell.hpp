@@ -5,6 +5,7 @@
 
 #include <boost/json/object.hpp>
 #include <chrono>
+#include <exception>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -23,6 +24,9 @@ inline constexpr unsigned kControlOk = 200;
 
 /// What mbgated says of a question that it did not answer as asked.
 std::string error_of(const ControlAnswer& answer);
+
+/// The sentence for what was thrown because an answer is not what this version expects.
+std::string other_version(const std::exception& exception);
 
 /// `method`: "GET" or "POST". `limit`: for all of it. `give_up` is called every now and then until
 /// the answer is there; when it returns true, the question is left off. The error is a sentence

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "ctl/control/control_shell.hpp"
 #include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {
@@ -54,6 +55,19 @@ bool EventReader::take_line(std::string_view line) {
     event_.data = line;
   }
   return false;
+}
+
+std::string follow_events(const std::string& place, const std::string& target,
+                          const Interruption& interruption,
+                          const std::function<bool(const ServerEvent&)>& take) {
+  EventReader reader;
+  try {
+    return follow_control(place, target, interruption, [&](std::string_view piece) {
+      return std::ranges::all_of(reader.take(piece), take);
+    });
+  } catch (const std::exception& exception) {
+    return other_version(exception);
+  }
 }
 
 std::string event_line(const ServerEvent& event) {

@@ -3,9 +3,12 @@
 // lines for people.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "ctl/request/repetition.hpp"
 
 namespace mbgate::ctl {
 
@@ -27,6 +30,12 @@ class EventReader {
   std::string line_;
   ServerEvent event_;
 };
+
+/// Gives the events of a GET to `take`, as follow_control() does with pieces. Returns why it has
+/// ended; also where `take` threw, because something is not as this version of mbgated sends it.
+std::string follow_events(const std::string& place, const std::string& target,
+                          const Interruption& interruption,
+                          const std::function<bool(const ServerEvent&)>& take);
 
 /// "22:10:00 warning device axis-x: does not answer any more", in local time; or how many are
 /// missing. An exception says what is not as mbgated sends it.

@@ -21,33 +21,21 @@ std::size_t size_of(int extent) { return static_cast<std::size_t>(std::max(exten
 
 }  // namespace
 
-/// What ncurses keeps of the terminal, and puts back.
-struct Screen::Terminal {
-  explicit Terminal(SCREEN* opened) : screen(opened) {}
-  ~Terminal() {
-    endwin();
-    delscreen(screen);
-  }
-  Terminal(const Terminal&) = delete;
-  Terminal& operator=(const Terminal&) = delete;
-
-  SCREEN* screen;
-};
+void Screen::End::operator()(screen* terminal) const {
+  endwin();
+  delscreen(terminal);
+}
 
 std::unique_ptr<Screen> Screen::open(const Interruption& interruption) {
   std::setlocale(LC_CTYPE, "");  // otherwise a name beyond ASCII is shown byte by byte
-  SCREEN* const opened = newterm(nullptr, stdout, stdin);
-  if (opened == nullptr) {
-    return nullptr;
-  }
-  auto terminal = std::make_unique<Terminal>(opened);
-  if (tigetstr("cup") == nullptr) {
+  Terminal terminal(newterm(nullptr, stdout, stdin));
+  if (!terminal || tigetstr("cup") == nullptr) {
     return nullptr;
   }
   return std::unique_ptr<Screen>(new Screen(interruption, std::move(terminal)));
 }
 
-Screen::Screen(const Interruption& interruption, std::unique_ptr<Terminal> terminal)
+Screen::Screen(const Interruption& interruption, Terminal terminal)
     : interruption_(interruption), terminal_(std::move(terminal)) {
   cbreak();  // Ctrl-C stays a signal
   noecho();
@@ -55,8 +43,6 @@ Screen::Screen(const Interruption& interruption, std::unique_ptr<Terminal> termi
   keypad(stdscr, true);
   curs_set(0);
 }
-
-Screen::~Screen() = default;
 
 void Screen::show(std::string text) {
   text_ = std::move(text);

@@ -9,15 +9,14 @@
 
 #include "ctl/request/repetition.hpp"
 
+struct screen;  // ncurses' SCREEN
+
 namespace mbgate::ctl {
 
 class Screen {
  public:
   /// None if ncurses does not know this terminal, or its cursor cannot be moved.
   static std::unique_ptr<Screen> open(const Interruption& interruption);
-  ~Screen();
-  Screen(const Screen&) = delete;
-  Screen& operator=(const Screen&) = delete;
 
   /// Shows `text` in place of what was shown before. Its first line is the title.
   void show(std::string text);
@@ -27,12 +26,16 @@ class Screen {
   [[nodiscard]] bool wait_until(std::chrono::steady_clock::time_point when);
 
  private:
-  struct Terminal;
-  Screen(const Interruption& interruption, std::unique_ptr<Terminal> terminal);
+  /// Puts the terminal back as it was.
+  struct End {
+    void operator()(screen* terminal) const;
+  };
+  using Terminal = std::unique_ptr<screen, End>;
+  Screen(const Interruption& interruption, Terminal terminal);
   void draw() const;
 
   const Interruption& interruption_;
-  std::unique_ptr<Terminal> terminal_;
+  Terminal terminal_;
   std::string text_;
 };
 

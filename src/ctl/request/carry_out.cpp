@@ -33,6 +33,45 @@ std::string_view meaning(std::uint8_t code) {
   }
 }
 
+using std::chrono::steady_clock;
+
+/// Prints what came, under its time. Returns the exit status of this read.
+int report_read(const ReadCommand& command, const std::string& time,
+                const Result<modbus::Pdu, Failure>& response, std::ostream& out,
+                std::ostream& errors) {
+  if (!response) {
+    errors << time;
+    return report_failure(response.error(), command.json, out, errors);
+  }
+  out << time << read_report(command, response_values(command, *response));
+  return kExitDone;
+}
+
+int repeat_read(const ReadCommand& command, const modbus::Request& request, std::ostream& out,
+                std::ostream& errors) {
+  const Interruption interruption;
+  Connection connection(command.target);
+  const bool with_time = !command.quiet && !command.json;
+  int status = kExitDone;
+  auto start = steady_clock::now();
+  for (std::size_t done = 1;; ++done) {
+    const auto time = with_time ? time_of_day_now() + "\n" : std::string();
+    const auto response = interruption.endable([&] { return connection.ask(request); });
+    status = std::max(status, report_read(command, time, response, out, errors));
+    out << std::flush;
+    const bool last = done == command.times || !out;  // or nobody can take what is printed
+    if (!last) {
+      start = next_start(start, *command.every, steady_clock::now());
+    }
+    if (interruption.wait_until(start)) {
+      return kExitDone;
+    }
+    if (last) {
+      return out ? status : kExitNotDone;
+    }
+  }
+}
+
 }  // namespace
 
 int carry_out(const Command& command, std::ostream& out, std::ostream& errors) {
@@ -70,68 +109,6 @@ std::string explain_exception(std::uint8_t code, bool is_write) {
                      is_unknown ? "; the write may have been done" : "");
 }
 
-namespace {
-
-using std::chrono::steady_clock;
-using std::chrono::system_clock;
-
-/// One command's reads, and where their values go.
-class Reads {
- public:
-  Reads(const ReadCommand& command, const modbus::Request& request, std::ostream& out,
-        std::ostream& errors)
-      : command_(command),
-        request_(request),
-        out_(out),
-        errors_(errors),
-        connection_(command.target) {}
-
-  /// Reads once and prints what came. Returns the exit status of this read.
-  int read(const Interruption& interruption) {
-    const bool with_time = !command_.quiet && !command_.json;
-    const auto time = with_time ? time_of_day(system_clock::now()) + "\n" : std::string();
-    const auto response = interruption.endable([&] { return connection_.ask(request_); });
-    if (!response) {
-      errors_ << time;
-      const int status = report_failure(response.error(), command_.json, out_, errors_);
-      out_ << std::flush;
-      return status;
-    }
-    out_ << time << read_report(command_, response_values(command_, *response)) << std::flush;
-    return kExitDone;
-  }
-
- private:
-  const ReadCommand& command_;
-  const modbus::Request& request_;
-  std::ostream& out_;
-  std::ostream& errors_;
-  Connection connection_;
-};
-
-int repeat_read(const ReadCommand& command, const modbus::Request& request, std::ostream& out,
-                std::ostream& errors) {
-  const Interruption interruption;
-  Reads reads(command, request, out, errors);
-  int status = kExitDone;
-  auto start = steady_clock::now();
-  for (std::size_t done = 1;; ++done) {
-    status = std::max(status, reads.read(interruption));
-    const bool last = done == command.times || !out;  // or nobody can take what is printed
-    if (!last) {
-      start = next_start(start, *command.every, steady_clock::now());
-    }
-    if (interruption.wait_until(start)) {
-      return kExitDone;
-    }
-    if (last) {
-      return out ? status : kExitNotDone;
-    }
-  }
-}
-
-}  // namespace
-
 int run(const ReadCommand& command, std::ostream& out, std::ostream& errors) {
   const auto request = make_request(command);
   if (!request) {
@@ -140,12 +117,7 @@ int run(const ReadCommand& command, std::ostream& out, std::ostream& errors) {
   if (command.every) {
     return repeat_read(command, *request, out, errors);
   }
-  const auto response = Connection(command.target).ask(*request);
-  if (!response) {
-    return report_failure(response.error(), command.json, out, errors);
-  }
-  out << read_report(command, response_values(command, *response));
-  return kExitDone;
+  return report_read(command, {}, Connection(command.target).ask(*request), out, errors);
 }
 
 }  // namespace mbgate::ctl

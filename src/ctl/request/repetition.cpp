@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <ctime>
-#include <fmt/chrono.h>
 
 #include "sys/unique_fd.hpp"
 
@@ -55,24 +54,11 @@ bool Interruption::wait_until(std::chrono::steady_clock::time_point when) const 
   }
 }
 
-Interruption::Opening::Opening(const sigset_t& signals) : signals_(signals) {
-  sigprocmask(SIG_UNBLOCK, &signals_, nullptr);
-}
-
-Interruption::Opening::~Opening() { sigprocmask(SIG_BLOCK, &signals_, nullptr); }
-
 std::chrono::steady_clock::time_point next_start(std::chrono::steady_clock::time_point start,
                                                  std::chrono::nanoseconds period,
                                                  std::chrono::steady_clock::time_point now) {
   const auto begun = (now - start + period - std::chrono::nanoseconds(1)) / period;
   return start + std::max<std::chrono::nanoseconds::rep>(begun, 1) * period;
-}
-
-std::string time_of_day(std::chrono::system_clock::time_point time) {
-  const auto second = std::chrono::floor<std::chrono::seconds>(time);
-  const auto rest = std::chrono::floor<std::chrono::milliseconds>(time - second);
-  const auto local = fmt::localtime(std::chrono::system_clock::to_time_t(second));
-  return fmt::format("{:%H:%M:%S}.{:03}", local, rest.count());
 }
 
 }  // namespace mbgate::ctl

@@ -6,6 +6,8 @@
 #include <array>
 #include <chrono>
 #include <csignal>
+#include <fmt/chrono.h>
+#include <memory>
 #include <string>
 
 namespace mbgate::ctl {
@@ -24,20 +26,14 @@ class Interruption {
   /// been printed may still be in a buffer.
   template <typename Work>
   auto endable(Work work) const {
-    const Opening opening(signals_);
+    sigprocmask(SIG_UNBLOCK, &signals_, nullptr);
+    const std::unique_ptr<const sigset_t, HoldBack> open(&signals_);
     return work();
   }
 
  private:
-  class Opening {
-   public:
-    explicit Opening(const sigset_t& signals);
-    ~Opening();
-    Opening(const Opening&) = delete;
-    Opening& operator=(const Opening&) = delete;
-
-   private:
-    const sigset_t& signals_;
+  struct HoldBack {
+    void operator()(const sigset_t* signals) const { sigprocmask(SIG_BLOCK, signals, nullptr); }
   };
 
   sigset_t signals_{};
@@ -51,7 +47,16 @@ std::chrono::steady_clock::time_point next_start(std::chrono::steady_clock::time
                                                  std::chrono::nanoseconds period,
                                                  std::chrono::steady_clock::time_point now);
 
-/// "14:03:27.250", local time.
-std::string time_of_day(std::chrono::system_clock::time_point time);
+/// "14:03:27.250", local time; as exact as `time`, which is in parts of a second.
+template <typename Part>
+std::string time_of_day(std::chrono::sys_time<Part> time) {
+  const auto second = std::chrono::floor<std::chrono::seconds>(time);
+  return fmt::format("{:%H:%M:%S}.{:0{}}", fmt::localtime(second.time_since_epoch().count()),
+                     (time - second).count(), std::chrono::hh_mm_ss<Part>::fractional_width);
+}
+inline std::string time_of_day_now() {
+  using namespace std::chrono;
+  return time_of_day(floor<milliseconds>(system_clock::now()));
+}
 
 }  // namespace mbgate::ctl

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
+#include <iterator>
 #include <string_view>
 
 #include "ctl/trace/trace_capture.hpp"
@@ -17,6 +19,10 @@ namespace {
 /// device. Wireshark tells a request from a response by its ports.
 enum class Side : std::uint8_t { client, device, unknown };
 
+const char* dissector_of(TracedFraming framing) {
+  return framing == TracedFraming::tcp ? "mbtcp" : "mbrtu";
+}
+
 /// The port of the device's side. That of RTU is not 502: there the clients' side is, and who tells
 /// Wireshark that its RTU is at a port takes this port from Modbus TCP.
 constexpr std::uint16_t port_of_device(std::string_view dissector) {
@@ -26,17 +32,17 @@ constexpr std::uint16_t kClientPort = 50000;
 
 void append_tag(ByteString& bytes, std::uint16_t tag, modbus::Bytes value) {
   const std::size_t padded = (value.size() + 3) / 4 * 4;
-  const std::uint8_t head[] = {static_cast<std::uint8_t>(tag >> 8U), static_cast<std::uint8_t>(tag),
-                               static_cast<std::uint8_t>(padded >> 8U),
-                               static_cast<std::uint8_t>(padded)};
-  bytes.insert(bytes.end(), std::begin(head), std::end(head));
-  bytes.insert(bytes.end(), value.begin(), value.end());
+  std::array<std::uint8_t, 4> head{};
+  modbus::store_be16(head, 0, tag);
+  modbus::store_be16(head, 2, static_cast<std::uint16_t>(padded));
+  append(bytes, head);
+  append(bytes, value);
   bytes.resize(bytes.size() + padded - value.size());
 }
 
 void append_tag(ByteString& bytes, std::uint16_t tag, std::uint16_t value) {
-  const std::uint8_t octets[] = {0, 0, static_cast<std::uint8_t>(value >> 8U),
-                                 static_cast<std::uint8_t>(value)};
+  std::array<std::uint8_t, 4> octets{};
+  modbus::store_be16(octets, 2, value);
   append_tag(bytes, tag, octets);
 }
 
@@ -58,7 +64,7 @@ ByteString upper_pdu(std::string_view dissector, Side side, modbus::Bytes bytes)
     append_tag(pdu, kDestinationPort, is_client ? device_port : kClientPort);
   }
   append_tag(pdu, kEnd, modbus::Bytes());
-  pdu.insert(pdu.end(), bytes.begin(), bytes.end());
+  append(pdu, bytes);
   return pdu;
 }
 
@@ -162,28 +168,20 @@ class HeardPackets {
            (!frame_.response || taken_from(sent.size()));
   }
 
-  /// When the byte came that has this place among all.
-  [[nodiscard]] TraceInstant instant_of(std::size_t place) const {
+  struct Part {
+    TraceInstant at;  ///< when it came
+    std::size_t end;  ///< its place among all bytes
+  };
+  /// The part with the byte that has this place among all.
+  [[nodiscard]] Part part_of(std::size_t place) const {
     std::size_t end = 0;
     for (const TracedBytes& part : frame_.heard) {
       end += part.bytes.size();
       if (place < end) {
-        return part.at;
+        return {part.at, end};
       }
     }
-    return frame_.ended_at;
-  }
-
-  /// Where the part ends that this byte came in.
-  [[nodiscard]] std::size_t part_end(std::size_t place) const {
-    std::size_t end = 0;
-    for (const TracedBytes& part : frame_.heard) {
-      end += part.bytes.size();
-      if (place < end) {
-        break;
-      }
-    }
-    return end;
+    return {frame_.ended_at, end};
   }
 
   [[nodiscard]] modbus::Bytes piece(std::size_t begin, std::size_t end) const {
@@ -191,11 +189,11 @@ class HeardPackets {
   }
 
   void add(std::size_t begin, ByteString bytes, std::string comment) {
-    packets_.push_back({instant_of(begin), Heading::inbound, std::move(bytes), std::move(comment)});
+    packets_.push_back({part_of(begin).at, Heading::inbound, std::move(bytes), std::move(comment)});
   }
   void add_frame(std::size_t begin, std::size_t end, Side side, std::string comment) {
-    const char* const dissector = frame_.framing == TracedFraming::tcp ? "mbtcp" : "mbrtu";
-    add(begin, upper_pdu(dissector, side, piece(begin, end)), std::move(comment));
+    add(begin, upper_pdu(dissector_of(frame_.framing), side, piece(begin, end)),
+        std::move(comment));
   }
   void add_bytes(std::size_t begin, std::size_t end, std::string comment) {
     if (begin < end) {
@@ -206,7 +204,7 @@ class HeardPackets {
   /// Where a good frame ends that begins here, at the end of a part; or 0.
   [[nodiscard]] std::size_t good_end(std::size_t begin, std::size_t limit) const {
     for (std::size_t end = begin; end < limit;) {
-      end = std::min(part_end(end), limit);
+      end = std::min(part_of(end).end, limit);
       if (end - begin > modbus::kMaxMbapAduSize) {
         return 0;
       }
@@ -228,7 +226,7 @@ class HeardPackets {
                   frame_.sent ? "not the response" : "");
         at = bytes_from = end;
       } else {
-        at = std::min(part_end(at), limit);
+        at = std::min(part_of(at).end, limit);
       }
     }
     add_bytes(bytes_from, limit, comment);
@@ -241,13 +239,12 @@ class HeardPackets {
 };
 
 CapturedPacket sent_packet(const TracedFrame& frame) {
-  const TracedAdu& sent = *frame.sent;
-  if (!is_good_frame(frame.framing, sent.raw.bytes)) {
-    return {sent.raw.at, Heading::outbound, upper_pdu("data", Side::unknown, sent.raw.bytes),
-            sent.text};
+  const auto& [raw, text] = *frame.sent;
+  if (!is_good_frame(frame.framing, raw.bytes)) {
+    return {raw.at, Heading::outbound, upper_pdu("data", Side::unknown, raw.bytes), text};
   }
-  const char* const dissector = frame.framing == TracedFraming::tcp ? "mbtcp" : "mbrtu";
-  return {sent.raw.at, Heading::outbound, upper_pdu(dissector, Side::client, sent.raw.bytes), {}};
+  return {raw.at, Heading::outbound,
+          upper_pdu(dissector_of(frame.framing), Side::client, raw.bytes)};
 }
 
 }  // namespace
@@ -257,9 +254,7 @@ std::vector<CapturedPacket> bus_packets(const TracedFrame& frame) {
   if (frame.sent) {
     packets.push_back(sent_packet(frame));
   }
-  for (CapturedPacket& packet : HeardPackets(frame).take()) {
-    packets.push_back(std::move(packet));
-  }
+  std::ranges::move(HeardPackets(frame).take(), std::back_inserter(packets));
   return packets;
 }
 

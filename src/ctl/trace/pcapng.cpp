@@ -31,7 +31,7 @@ class BlockBody {
 
   /// Followed by zeros up to a multiple of four.
   void put_padded(modbus::Bytes bytes) {
-    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    append(bytes_, bytes);
     bytes_.resize((bytes_.size() + 3) / 4 * 4);
   }
 
@@ -66,6 +66,57 @@ class BlockBody {
 
   ByteString bytes_;
 };
+
+constexpr std::size_t kIpv4Octets = 4;
+constexpr std::size_t kIpv6Octets = 16;
+constexpr std::uint8_t kTcp = 6;
+constexpr std::uint8_t kHops = 64;
+constexpr std::size_t kTcpHeader = 20;
+
+void append16(ByteString& bytes, std::uint32_t number) {
+  bytes.push_back(static_cast<std::uint8_t>(number >> 8U));
+  bytes.push_back(static_cast<std::uint8_t>(number));
+}
+
+void append32(ByteString& bytes, std::uint32_t number) {
+  append16(bytes, number >> 16U);
+  append16(bytes, number);
+}
+
+/// Of the Internet (RFC 1071): the complement of the sum of all 16-bit words.
+std::uint16_t internet_checksum(modbus::Bytes bytes) {
+  std::uint32_t sum = 0;
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    sum += at % 2 == 0 ? bytes[at] * 0x100U : bytes[at];
+  }
+  while (sum > 0xFFFF) {
+    sum = (sum & 0xFFFFU) + (sum >> 16U);
+  }
+  return static_cast<std::uint16_t>(~sum);
+}
+
+ByteString ip_header(const TcpEndpoint& from, const TcpEndpoint& to, std::size_t carried) {
+  ByteString header;
+  if (from.address.size() == kIpv6Octets) {
+    append32(header, 0x60000000);  // version 6
+    append16(header, static_cast<std::uint32_t>(carried));
+    append(header, std::to_array({kTcp, kHops}));
+    append(header, from.address);
+    append(header, to.address);
+    return header;
+  }
+  constexpr std::size_t kHeader = 20;
+  constexpr std::size_t kChecksumAt = 10;
+  append16(header, 0x4500);  // version 4, five words
+  append16(header, static_cast<std::uint32_t>(kHeader + carried));
+  append32(header, 0x4000);  // not to be fragmented
+  append(header, std::to_array({kHops, kTcp}));
+  append16(header, 0);
+  append(header, from.address);
+  append(header, to.address);
+  modbus::store_be16(header, kChecksumAt, internet_checksum(header));
+  return header;
+}
 
 }  // namespace
 
@@ -113,65 +164,6 @@ ByteString packet_block(std::uint32_t interface, const CapturedPacket& packet) {
   body.put32(kEndOfOptions);
   return body.block(kEnhancedPacket);
 }
-
-namespace {
-
-constexpr std::size_t kIpv4Octets = 4;
-constexpr std::size_t kIpv6Octets = 16;
-constexpr std::uint8_t kTcp = 6;
-constexpr std::uint8_t kHops = 64;
-constexpr std::size_t kTcpHeader = 20;
-
-void append16(ByteString& bytes, std::uint32_t number) {
-  bytes.push_back(static_cast<std::uint8_t>(number >> 8U));
-  bytes.push_back(static_cast<std::uint8_t>(number));
-}
-
-void append32(ByteString& bytes, std::uint32_t number) {
-  append16(bytes, number >> 16U);
-  append16(bytes, number);
-}
-
-void append(ByteString& bytes, modbus::Bytes more) {
-  bytes.insert(bytes.end(), more.begin(), more.end());
-}
-
-/// Of the Internet (RFC 1071): the complement of the sum of all 16-bit words.
-std::uint16_t internet_checksum(modbus::Bytes bytes) {
-  std::uint32_t sum = 0;
-  for (std::size_t at = 0; at < bytes.size(); ++at) {
-    sum += at % 2 == 0 ? bytes[at] * 0x100U : bytes[at];
-  }
-  while (sum > 0xFFFF) {
-    sum = (sum & 0xFFFFU) + (sum >> 16U);
-  }
-  return static_cast<std::uint16_t>(~sum);
-}
-
-ByteString ip_header(const TcpEndpoint& from, const TcpEndpoint& to, std::size_t carried) {
-  ByteString header;
-  if (from.address.size() == kIpv6Octets) {
-    append32(header, 0x60000000);  // version 6
-    append16(header, static_cast<std::uint32_t>(carried));
-    append(header, std::to_array({kTcp, kHops}));
-    append(header, from.address);
-    append(header, to.address);
-    return header;
-  }
-  constexpr std::size_t kHeader = 20;
-  constexpr std::size_t kChecksumAt = 10;
-  append16(header, 0x4500);  // version 4, five words
-  append16(header, static_cast<std::uint32_t>(kHeader + carried));
-  append32(header, 0x4000);  // not to be fragmented
-  append(header, std::to_array({kHops, kTcp}));
-  append16(header, 0);
-  append(header, from.address);
-  append(header, to.address);
-  modbus::store_be16(header, kChecksumAt, internet_checksum(header));
-  return header;
-}
-
-}  // namespace
 
 std::optional<ByteString> ip_octets(const std::string& text) {
   ByteString octets(kIpv6Octets);

@@ -24,7 +24,7 @@ struct CapturedPacket {
   TraceInstant at;
   Heading heading = Heading::inbound;
   ByteString bytes;
-  std::string comment;  ///< empty: none
+  std::string comment{};  ///< empty: none
 };
 
 /// The first block. `application`: what has written the file.

@@ -42,19 +42,14 @@ void add_line(std::string& comment, const std::string& line) {
   comment += (comment.empty() ? "" : "\n") + line;
 }
 
-void append_block(ByteString& blocks, const ByteString& block) {
-  blocks.insert(blocks.end(), block.begin(), block.end());
-}
-
 }  // namespace
 
 ByteString TraceCapture::start() {
   ByteString blocks = section_block("mbgatectl trace");
-  append_block(
-      blocks,
-      interface_block(
-          LinkType::raw_ip, "clients",
-          "messages between clients and the gateway; its address and all ports are made up"));
+  append(blocks,
+         interface_block(
+             LinkType::raw_ip, "clients",
+             "messages between clients and the gateway; its address and all ports are made up"));
   return blocks;
 }
 
@@ -80,7 +75,7 @@ ByteString TraceCapture::add(const TraceEvent& event) {
     add_line(packets.back().packet.comment, and_more(event.wire_not_kept, "frame"));
   }
   for (const Placed& it : packets) {
-    append_block(blocks, packet_block(it.interface, it.packet));
+    append(blocks, packet_block(it.interface, it.packet));
   }
   return blocks;
 }
@@ -97,19 +92,17 @@ void TraceCapture::add_request(const TracedRequest& asked, const std::string& co
   const TcpEndpoint client{*address, port_of(asked.connection)};
   const TcpEndpoint gateway = gateway_towards(*address);
   Streams& streams = conversations_[{client.address, client.port}];
-  const ByteString& request = asked.request.raw.bytes;
-  const TcpPlace place{streams.of_client, streams.of_gateway};
-  packets.push_back({kClients,
-                     {asked.request.raw.at, Heading::inbound,
-                      tcp_segment(client, gateway, place, request), comment}});
-  streams.of_client += static_cast<std::uint32_t>(request.size());
+  const auto add = [&](const TracedBytes& said, Heading heading, const TcpEndpoint& from,
+                       const TcpEndpoint& to, TcpPlace place) {
+    packets.push_back(
+        {kClients, {said.at, heading, tcp_segment(from, to, place, said.bytes), comment}});
+    return place.sequence + static_cast<std::uint32_t>(said.bytes.size());
+  };
+  streams.of_client = add(asked.request.raw, Heading::inbound, client, gateway,
+                          {streams.of_client, streams.of_gateway});
   if (asked.answer) {
-    const ByteString& answer = asked.answer->raw.bytes;
-    const TcpPlace back{streams.of_gateway, streams.of_client};
-    packets.push_back({kClients,
-                       {asked.answer->raw.at, Heading::outbound,
-                        tcp_segment(gateway, client, back, answer), comment}});
-    streams.of_gateway += static_cast<std::uint32_t>(answer.size());
+    streams.of_gateway = add(asked.answer->raw, Heading::outbound, gateway, client,
+                             {streams.of_gateway, streams.of_client});
   }
 }
 
@@ -155,7 +148,7 @@ std::uint32_t TraceCapture::interface_of(const std::string& bus, ByteString& blo
   const auto number = static_cast<std::uint32_t>(kClients + 1 + buses_.size());
   const auto [it, is_new] = buses_.try_emplace(bus, number);
   if (is_new) {
-    append_block(blocks, interface_block(LinkType::upper_pdu, bus, "the frames on this bus"));
+    append(blocks, interface_block(LinkType::upper_pdu, bus, "the frames on this bus"));
   }
   return it->second;
 }

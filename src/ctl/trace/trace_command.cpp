@@ -4,7 +4,6 @@
 #include <fstream>
 #include <ostream>
 
-#include "ctl/control/control_shell.hpp"
 #include "ctl/control/event_reader.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "ctl/request/repetition.hpp"
@@ -23,7 +22,7 @@ int run(const TraceCommand& command, std::ostream& out, std::ostream& errors) {
   const auto fail = [&](const std::string& why) {
     return report_failure({kExitNotDone, why}, command.json, out, errors);
   };
-  const bool is_text = !command.quiet && command.pcapng != "-";
+  std::ostream* const printed = command.quiet || command.pcapng == "-" ? nullptr : &out;
   std::ofstream file;
   if (!command.pcapng.empty() && command.pcapng != "-") {
     file.open(command.pcapng, std::ios::binary);
@@ -35,26 +34,15 @@ int run(const TraceCommand& command, std::ostream& out, std::ostream& errors) {
                                 : command.pcapng.empty() ? nullptr
                                                          : &file;
   const Interruption interruption;
-  TracePrinter printer({is_text ? &out : nullptr, command.json, capture, command.times});
-  EventReader reader;
-  const auto take = [&](std::string_view piece) {
-    for (const ServerEvent& event : reader.take(piece)) {
-      if (!printer.take(event)) {
-        return false;
-      }
+  TracePrinter printer(
+      {command.json ? nullptr : printed, command.json ? printed : nullptr, capture, command.times});
+  if (printer.start()) {
+    const std::string why =
+        follow_events(command.socket, trace_target(command.filter), interruption,
+                      [&](const ServerEvent& event) { return printer.take(event); });
+    if (!why.empty()) {
+      return fail(why);
     }
-    return true;
-  };
-  std::string why;
-  try {
-    why = printer.start()
-              ? follow_control(command.socket, trace_target(command.filter), interruption, take)
-              : std::string();
-  } catch (const std::exception& exception) {
-    why = std::string("mbgated and mbgatectl have different versions: ") + exception.what();
-  }
-  if (!why.empty()) {
-    return fail(why);
   }
   if (file.is_open() && !file) {
     return fail(cannot_write(command.pcapng));

@@ -166,7 +166,7 @@ TraceEvent parse_trace(const std::string& data) {
 ByteString all_heard(const TracedFrame& frame) {
   ByteString all;
   for (const TracedBytes& part : frame.heard) {
-    all.insert(all.end(), part.bytes.begin(), part.bytes.end());
+    append(all, part.bytes);
   }
   return all;
 }

@@ -9,9 +9,14 @@
 #include <string>
 #include <vector>
 
+#include "modbus/bytes.hpp"
+
 namespace mbgate::ctl {
 
 using ByteString = std::vector<std::uint8_t>;
+inline void append(ByteString& bytes, modbus::Bytes more) {
+  bytes.insert(bytes.end(), more.begin(), more.end());
+}
 /// Of the day, in UTC.
 using TraceInstant = std::chrono::sys_time<std::chrono::microseconds>;
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <ctime>
-#include <fmt/chrono.h>
+#include <fmt/format.h>
 #include <string_view>
 #include <vector>
 
 #include "base/text.hpp"
+#include "ctl/request/repetition.hpp"
 #include "ctl/trace/trace_event.hpp"
 #include "modbus/codes.hpp"
 #include "modbus/describe.hpp"
@@ -15,13 +15,6 @@ namespace {
 
 constexpr std::string_view kFailed = "FAILED: ";
 constexpr const char* kNoAnswer = "no answer (the client has disconnected or gets none)";
-
-/// "22:10:00.123456"
-std::string clock_text(TraceInstant instant) {
-  const auto second = std::chrono::floor<std::chrono::seconds>(instant);
-  return fmt::format("{:%H:%M:%S}.{:06}", fmt::localtime(second.time_since_epoch().count()),
-                     (instant - second).count());
-}
 
 /// "5.1 ms"
 std::string span_text(std::chrono::microseconds span) {
@@ -162,16 +155,16 @@ std::string answer_line(const TraceEvent& event) {
 std::string head_line(const TraceEvent& event) {
   if (event.asked) {
     const TracedRequest& asked = *event.asked;
-    return fmt::format("{}{}{} {} {}\n", clock_text(asked.request.raw.at),
+    return fmt::format("{}{}{} {} {}\n", time_of_day(asked.request.raw.at),
                        request_failure(event).empty() ? " " : " FAILED ", asked.client,
                        asked.listener, without_transaction(asked.request.text));
   }
   const TracedFrame& frame = event.wire.front();
   if (frame.sent) {
     return fmt::format("{}{} without a traced request of a client\n",
-                       clock_text(frame.sent->raw.at), failure_of(frame).empty() ? "" : " FAILED");
+                       time_of_day(frame.sent->raw.at), failure_of(frame).empty() ? "" : " FAILED");
   }
-  return clock_text(frame.heard.empty() ? frame.ended_at : frame.heard.front().at) +
+  return time_of_day(frame.heard.empty() ? frame.ended_at : frame.heard.front().at) +
          " heard without a request\n";
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/trace/trace_printer.hpp"
 
+#include <algorithm>
+#include <array>
 #include <boost/json/object.hpp>
 #include <boost/json/parse.hpp>
 #include <boost/json/serialize.hpp>
@@ -25,69 +27,6 @@ std::string with_name(const ServerEvent& event) {
   return visible_text(boost::json::serialize(whole));
 }
 
-}  // namespace
-
-bool TracePrinter::start() {
-  if (ways_.capture != nullptr) {
-    put(TraceCapture::start());
-  }
-  return is_written();
-}
-
-bool TracePrinter::take(const ServerEvent& event) {
-  if (ways_.text != nullptr && ways_.json) {
-    *ways_.text << with_name(event) << '\n';
-  }
-  const bool is_lost = event.name == "lost";
-  if (is_read() && is_lost) {
-    take_lost(event);
-  } else if (is_read()) {
-    take_record(event);
-  }
-  taken_ += is_lost ? 0 : 1;
-  if (ways_.text != nullptr) {
-    ways_.text->flush();
-  }
-  return is_written() && !is_done();
-}
-
-// What JSON alone is printed of is not looked into: another version may say more of it.
-bool TracePrinter::is_read() const {
-  return (ways_.text != nullptr && !ways_.json) || ways_.capture != nullptr;
-}
-
-void TracePrinter::take_lost(const ServerEvent& event) {
-  const auto data = boost::json::parse(event.data);
-  const auto lost = data.as_object().at("lost").to_number<std::uint64_t>();
-  if (ways_.text != nullptr && !ways_.json) {
-    *ways_.text << missing_records(lost) << '\n';
-  }
-  capture_.note_lost(lost);
-}
-
-void TracePrinter::take_record(const ServerEvent& event) {
-  const TraceEvent record = parse_trace(event.data);
-  if (ways_.text != nullptr && !ways_.json) {
-    *ways_.text << trace_lines(record);
-  }
-  if (ways_.capture != nullptr) {
-    put(capture_.add(record));
-  }
-}
-
-void TracePrinter::put(const ByteString& blocks) {
-  ways_.capture->write(reinterpret_cast<const char*>(blocks.data()),
-                       static_cast<std::streamsize>(blocks.size()));
-  ways_.capture->flush();
-}
-
-bool TracePrinter::is_written() const {
-  return (ways_.text == nullptr || ways_.text->good()) &&
-         (ways_.capture == nullptr || ways_.capture->good());
-}
-
-namespace {
-
 constexpr std::string_view kUnreserved =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
 
@@ -104,6 +43,54 @@ std::string percent_encoded(std::string_view text) {
 }
 
 }  // namespace
+
+bool TracePrinter::start() {
+  if (ways_.capture != nullptr) {
+    put(TraceCapture::start());
+  }
+  return is_written();
+}
+
+bool TracePrinter::take(const ServerEvent& event) {
+  if (ways_.json != nullptr) {
+    *ways_.json << with_name(event) << '\n';
+  }
+  // What JSON alone is printed of is not looked into: another version may say more of it.
+  if (ways_.text != nullptr || ways_.capture != nullptr) {
+    look_into(event);
+  }
+  taken_ += event.name == "lost" ? 0 : 1;
+  return is_written() && !is_done();
+}
+
+void TracePrinter::look_into(const ServerEvent& event) {
+  std::string lines;
+  if (event.name == "lost") {
+    const auto data = boost::json::parse(event.data);
+    const auto lost = data.as_object().at("lost").to_number<std::uint64_t>();
+    lines = missing_records(lost) + "\n";
+    capture_.note_lost(lost);
+  } else {
+    const TraceEvent record = parse_trace(event.data);
+    lines = trace_lines(record);
+    if (ways_.capture != nullptr) {
+      put(capture_.add(record));
+    }
+  }
+  if (ways_.text != nullptr) {
+    *ways_.text << lines;
+  }
+}
+
+void TracePrinter::put(const ByteString& blocks) {
+  ways_.capture->write(reinterpret_cast<const char*>(blocks.data()),
+                       static_cast<std::streamsize>(blocks.size()));
+}
+
+bool TracePrinter::is_written() const {
+  return std::ranges::all_of(std::array{ways_.text, ways_.json, ways_.capture},
+                             [](auto* out) { return out == nullptr || out->flush().good(); });
+}
 
 std::string trace_target(const TraceFilter& filter) {
   std::string query;

@@ -16,8 +16,8 @@ namespace mbgate::ctl {
 class TracePrinter {
  public:
   struct Ways {
-    std::ostream* text = nullptr;  ///< nothing: not printed
-    bool json = false;             ///< one object a line instead of text
+    std::ostream* text = nullptr;  ///< here and below, nothing: not printed
+    std::ostream* json = nullptr;  ///< one object a line
     std::ostream* capture = nullptr;
     std::optional<std::size_t> times;  ///< records until it is done
   };
@@ -33,10 +33,9 @@ class TracePrinter {
   [[nodiscard]] bool is_done() const { return ways_.times && taken_ >= *ways_.times; }
 
  private:
-  [[nodiscard]] bool is_read() const;
-  void take_lost(const ServerEvent& event);
-  void take_record(const ServerEvent& event);
+  void look_into(const ServerEvent& event);
   void put(const ByteString& blocks);
+  /// Flushes all. False: something cannot be written.
   [[nodiscard]] bool is_written() const;
 
   Ways ways_;

@@ -57,9 +57,12 @@ TEST(Period, StartsAWholeNumberOfPeriodsAfterTheLastStart) {
 }
 
 // The hour, and in some places the minute, depend on where this runs.
-TEST(Period, TimeOfDayHasThreeDigitsOfASecond) {
-  EXPECT_THAT(time_of_day(std::chrono::system_clock::time_point(27s + 5ms)),
+TEST(Period, TimeOfDayIsAsExactAsTheInstant) {
+  EXPECT_THAT(time_of_day(std::chrono::sys_time<std::chrono::milliseconds>(27s + 5ms)),
               testing::MatchesRegex("[0-9]+:[0-9]+:27\\.005"));
+  EXPECT_THAT(time_of_day(std::chrono::sys_time<std::chrono::microseconds>(27s + 5us)),
+              testing::MatchesRegex("[0-9]+:[0-9]+:27\\.000005"));
+  EXPECT_THAT(time_of_day_now(), testing::MatchesRegex("[0-9]+:[0-9]+:[0-9]+\\.[0-9][0-9][0-9]"));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace {
 
 TEST(TracePrinter, PrintsOneJsonObjectALine) {
   std::ostringstream out;
-  TracePrinter printer({&out, true, nullptr, 1});
+  TracePrinter printer({nullptr, &out, nullptr, 1});
   EXPECT_TRUE(printer.start());
   EXPECT_TRUE(printer.take({"lost", R"({"lost":2})"}));
   EXPECT_FALSE(printer.is_done());
@@ -24,20 +24,20 @@ TEST(TracePrinter, PrintsOneJsonObjectALine) {
 
 TEST(TracePrinter, LooksIntoNothingThatItOnlyPassesOn) {
   std::ostringstream out;
-  TracePrinter printer({&out, true, nullptr, 1});
+  TracePrinter printer({nullptr, &out, nullptr, 1});
   EXPECT_TRUE(printer.take({"lost", R"({"dropped":2})"}));
   EXPECT_FALSE(printer.take({"transaction", R"({"of":"another version"})"}));
   EXPECT_EQ(out.str(),
             "{\"event\":\"lost\",\"dropped\":2}\n"
             "{\"event\":\"transaction\",\"of\":\"another version\"}\n");
   std::ostringstream capture;
-  TracePrinter both({&out, true, &capture, 1});
+  TracePrinter both({nullptr, &out, &capture, 1});
   EXPECT_ANY_THROW(both.take({"transaction", R"({"of":"another version"})"}));
 }
 
 TEST(TracePrinter, WritesTheCaptureFromTheFirstByteOn) {
   std::ostringstream capture;
-  TracePrinter printer({nullptr, false, &capture, {}});
+  TracePrinter printer({nullptr, nullptr, &capture, {}});
   EXPECT_TRUE(printer.start());
   const std::string start = capture.str();
   EXPECT_TRUE(start.starts_with("\n\r\r\n"));
