@@ -62,40 +62,27 @@ std::string read_head(RecordedLines& lines, gateway::HeadReader& reader) {
   return "expected the line that ends with \"start\", but the recording ends before it";
 }
 
-/// Reads configurations as the recorded gateway did.
-class SettingsLoader {
- public:
-  SettingsLoader(const gateway::RecordingHead& head,
-                 std::optional<std::filesystem::path> profiles) {
-    search_.folder = std::move(profiles);
-    if (!search_.folder && !head.profiles.empty()) {
-      search_.folder = head.profiles;
-    }
+/// Reads a configuration as the recorded gateway did. Nothing if it is not valid here; `error` says
+/// why.
+std::optional<gateway::Settings> load(const std::vector<gateway::ConfigFile>& files,
+                                      const config::ProfileSearch& search, std::string& error) {
+  if (files.empty()) {
+    error = "expected a configuration before the new settings";
+    return std::nullopt;
   }
-  /// Nothing if it is not valid here; `error` says why.
-  [[nodiscard]] std::optional<gateway::Settings> load(const std::vector<gateway::ConfigFile>& files,
-                                                      std::string& error) const {
-    if (files.empty()) {
-      error = "expected a configuration before the new settings";
-      return std::nullopt;
-    }
-    std::vector<config::TextFile> read;
-    read.reserve(files.size());
-    for (const auto& file : files) {
-      read.push_back({file.path, file.text});
-    }
-    auto loaded = config::load_settings(read, search_);
-    if (!loaded.settings) {
-      error = "expected a configuration that this version accepts, but:\n" +
-              config::render(loaded.diagnostics);
-      error.pop_back();
-    }
-    return std::move(loaded.settings);
+  std::vector<config::TextFile> read;
+  read.reserve(files.size());
+  for (const auto& file : files) {
+    read.push_back({file.path, file.text});
   }
-
- private:
-  config::ProfileSearch search_;
-};
+  auto loaded = config::load_settings(read, search);
+  if (!loaded.settings) {
+    error = "expected a configuration that this version accepts, but:\n" +
+            config::render(loaded.diagnostics);
+    error.pop_back();
+  }
+  return std::move(loaded.settings);
+}
 
 /// Does the input name a bus and a listener that there are?
 bool fits(const gateway::Settings& settings, const gateway::Input& input) {
@@ -114,9 +101,9 @@ bool fits(const gateway::Settings& settings, const gateway::Input& input) {
 
 class Player {
  public:
-  Player(gateway::Settings settings, gateway::Instant start, const SettingsLoader& loader,
+  Player(gateway::Settings settings, gateway::Instant start, const config::ProfileSearch& search,
          ReplayOutcome& outcome)
-      : gateway_(std::move(settings), start), at_(start), loader_(loader), outcome_(outcome) {}
+      : gateway_(std::move(settings), start), at_(start), search_(search), outcome_(outcome) {}
 
   /// What is wrong with the line, or nothing. A difference is put into the outcome.
   std::string play(const RecordedLines& lines) {
@@ -174,7 +161,7 @@ class Player {
   }
   std::string change_settings() {
     std::string error;
-    if (const auto settings = loader_.load(config_.take(), error)) {
+    if (const auto settings = load(config_.take(), search_, error)) {
       gateway_.handle(gateway::SettingsChanged{&*settings}, at_);
     }
     return error;
@@ -197,7 +184,7 @@ class Player {
   }
   Gateway gateway_;
   gateway::Instant at_;  // of the last input
-  const SettingsLoader& loader_;
+  const config::ProfileSearch& search_;
   ReplayOutcome& outcome_;
   gateway::ConfigReader config_;  // of the settings that come next
   std::vector<std::uint8_t> storage_;
@@ -219,12 +206,15 @@ std::string play_all(RecordedLines& lines, const std::optional<std::filesystem::
     return error;
   }
   outcome.version = head.version;
-  const SettingsLoader loader(head, profiles);
-  auto settings = loader.load(head.config, error);
+  config::ProfileSearch search{profiles};
+  if (!profiles && !head.profiles.empty()) {
+    search.folder = head.profiles;
+  }
+  auto settings = load(head.config, search, error);
   if (!settings) {
     return error;
   }
-  Player player(*std::move(settings), head.start, loader, outcome);
+  Player player(*std::move(settings), head.start, search, outcome);
   while (error.empty() && !outcome.difference && lines.next()) {
     if (gateway::is_end_line(lines.line())) {
       outcome.ended = lines.line().substr(4);
