@@ -44,8 +44,8 @@ void RulesJudge::note_gone_through(const Asked& asked) {
   const bool stops_all =
       asked.intent.kind == Kind::broadcast && std::ranges::all_of(asked.intent.writes, is_stopping);
   if (!is_sure || asked.intent.kind == Kind::own || asked.intent.kind == Kind::stop || stops_all ||
-      asked.given <= ledger_.reloaded || asked.given <= ledger_.started) {
-    return;
+      asked.written <= ledger_.reloaded || asked.given <= ledger_.started) {
+    return;  // or what it knows of the rules may be outdated
   }
   for (const std::size_t rule : asked.intent.rated) {
     count(of_rules_, {rule, connection.host}, plan_.rules[rule].rate, asked);
