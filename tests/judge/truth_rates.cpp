@@ -59,6 +59,7 @@ void RulesJudge::note_gone_through(const Asked& asked) {
 // It may have been taken as late as this.
 Instant RulesJudge::ended(const Asked& asked) const {
   return asked.answers > 0         ? asked.answered
+         : asked.given_up          ? asked.given + kKept
          : asked.dropped           ? connection_of(asked).gone
          : asked.intent.answer_due ? world_.now()
                                    : asked.given + kKept;

@@ -93,7 +93,7 @@ void Client::take(Bytes adu) {
     asked.answered = tools_.schedule.now();
     asked.answer.assign(adu.begin() + 7, adu.end());
     tools_.answered(id);
-    if (listener().one_at_a_time && asked.answer[0] < 0x80) {
+    if (listener().one_at_a_time) {
       forget_before(id);
     }
   }
@@ -112,7 +112,7 @@ void Client::forget(Id id) {
   }
 }
 
-// A request that was carried out has replaced those before it.
+// A request that was answered has replaced those before it.
 void Client::forget_before(Id id) {
   const auto may_be_replaced = [this](Id it) {
     const Kind kind = tools_.ledger.asked[it].intent.kind;
@@ -120,7 +120,7 @@ void Client::forget_before(Id id) {
   };
   std::vector<Id> replaced;
   for (const auto& [transaction, other] : open_) {
-    if (other < id && may_be_replaced(other) && may_be_replaced(id)) {
+    if (other < id && may_be_replaced(other)) {
       replaced.push_back(other);
     }
   }

@@ -63,6 +63,7 @@ void Requests::accept(ClientSession& session, Request& request, Instant now) {
   ++session.requests;
   ListenerCounters& counters = sessions_.counters(session.info().listener);
   ++counters.requests;
+  replace_unanswered(session);
   if (request.for_gateway) {
     answer_at_once(session, request, answer_of_gateway(session, request, now), now);
   } else if (request.refused) {
@@ -104,7 +105,6 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
   if (trace_.is_on()) {
     trace_.asked(index, trace_of(session, request), *exchange.plan);
   }
-  replace_unanswered(session, request.is_stop);
   place_answer(session, index);
   exchange.arrival = exchange.plan->is_read() ? request.read_at : request.arrival;
   exchange.sequence = rules_.note_accepted(*exchange.plan, origin, now);
@@ -143,8 +143,8 @@ void Requests::place_answer(ClientSession& session, std::uint32_t index) {
 
 // A dumb session asks again on the same connection once it has given up (`one_at_a_time`). It takes
 // an answer to what it asked before for that to its next request.
-void Requests::replace_unanswered(ClientSession& session, bool is_stop) {
-  if (!session.listener().one_at_a_time || is_stop) {
+void Requests::replace_unanswered(ClientSession& session) {
+  if (!session.listener().one_at_a_time) {
     return;
   }
   for (const std::uint32_t index : session.exchanges) {

@@ -10,6 +10,9 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
+/// A read of no register: it is refused at once.
+constexpr const char* kNothing = "00 02 00 00 00 06 01 03 00 00 00 00";
+
 Settings impatient_plant() {
   Settings settings = stop_plant(64);
   settings.listeners[0].give_up = 50ms;
@@ -47,7 +50,7 @@ TEST(GiveUp, NoAnswerGoesOutAfterItThatWaitedForTheOneBefore) {
   MachineRig rig(settings);
   rig.connect(1);
   rig.receive(1, read_request(1));
-  rig.receive(1, read_request(2, 77));  // a unit that leads nowhere
+  rig.receive(1, kNothing);
   rig.advance(60ms);
   rig.respond("01 03 02 00 01");
   EXPECT_THAT(rig.take_sent(1), IsEmpty());
@@ -87,7 +90,25 @@ TEST_F(OneAtATime, OfOneThatWasTransmittedTheAnswerIsDropped) {
   EXPECT_THAT(rig_.take_sent(1), ElementsAre(written(2)));
 }
 
-TEST_F(OneAtATime, AStopIsNotReplacedAndReplacesNothing) {
+TEST_F(OneAtATime, ARequestThatIsRefusedReplacesAnother) {
+  rig_.receive(1, read_request(1));
+  rig_.advance(10ms);
+  rig_.receive(1, kNothing);
+  rig_.respond("01 03 02 00 01");
+  EXPECT_THAT(rig_.take_sent(1), ElementsAre("00 02 00 00 00 03 01 83 03"));
+}
+
+TEST_F(OneAtATime, AStopReplacesAnotherRequest) {
+  rig_.receive(1, read_request(1));
+  rig_.advance(10ms);
+  rig_.receive(1, stop_request(2));
+  rig_.respond("01 03 02 00 01");
+  rig_.advance(10ms);
+  rig_.respond(kStop1);
+  EXPECT_THAT(rig_.take_sent(1), ElementsAre(written(2, 1, true)));
+}
+
+TEST_F(OneAtATime, AStopIsNotReplaced) {
   rig_.receive(1, read_request(1));
   rig_.receive(1, stop_request(2));
   rig_.receive(1, read_request(3));
@@ -106,7 +127,7 @@ TEST(OneAtATimeInOrder, AnAnswerThatWaitsForTheOneBeforeIsDroppedToo) {
   MachineRig rig(settings);
   rig.connect(1);
   rig.receive(1, read_request(1));
-  rig.receive(1, read_request(2, 77));  // a unit that leads nowhere: it replaces nothing
+  rig.receive(1, kNothing);
   rig.advance(10ms);
   rig.receive(1, write_request(3));
   rig.respond("01 03 02 00 01");
