@@ -107,15 +107,17 @@ void Judge::check_rest() {
   check_failsafe_done();
   check_shares();
   std::ranges::for_each(waits_, [this](const auto& wait) { check_heard(wait.first); });
-  // Stops of a storm may still wait when their clients go.
+  // Stops of a storm may still wait when their clients go, and with `ordered` all that is behind.
+  std::set<Id> with_stops;
   for (const Asked& asked : ledger_.asked) {
     const Connection& connection = ledger_.connections[asked.connection];
     const auto& listener = plan_.settings.listeners[connection.listener];
     const bool has_waited = connection.gone == ledger_.rested && connection.half_closed == kNever &&
-                            asked.given < ledger_.rested && !asked.given_up &&
-                            !listener.one_at_a_time;
-    if (has_waited && asked.answers == 0 && asked.intent.answer_due &&
-        asked.intent.kind != Kind::stop) {
+                            asked.given < ledger_.rested && asked.answers == 0 && !asked.given_up;
+    if (has_waited && asked.intent.kind == Kind::stop && listener.ordered) {
+      with_stops.insert(asked.connection);
+    } else if (has_waited && asked.intent.kind != Kind::stop && asked.intent.answer_due &&
+               !listener.one_at_a_time && !with_stops.contains(asked.connection)) {
       violation("unanswered", name(asked));
     }
   }
