@@ -258,8 +258,10 @@ void Judge::note_wrong(const Asked& asked, const char* kind) {
     const Habits& habits = plan_.drives[drive].habits;
     return habits.service > 0ms || habits.second > 0 || station.drives.size() > 1;
   });
-  if (!is_special && (is_later_than_ever(asked, *last) || slipped_.contains(at))) {
-    ++report_.apart["later_than_ever"];
+  // A stop waits for no answer to the one before: what refuses that may pass for its own.
+  const bool is_refusal = asked.intent.kind == Kind::stop && asked.answer[0] >= 0x80;
+  if (!is_special && (is_refusal || is_later_than_ever(asked, *last) || slipped_.contains(at))) {
+    ++report_.apart[is_refusal ? "stale_refusal" : "later_than_ever"];
     return;
   }
   Slips& slips = slips_[at];
@@ -278,8 +280,8 @@ void Judge::note_wrong(const Asked& asked, const char* kind) {
   const bool is_shared = std::exchange(slips.last, last->at) == last->at;
   // What it said to the same question a moment before cannot be told from the answer to this one;
   // nor can what refuses a stop, which waits for no second answer.
-  const bool is_same = (asked.intent.kind == Kind::stop && asked.answer[0] >= 0x80) ||
-                       (!asked.sent.empty() && from.pdu == ledger_.sent[asked.sent.back()].pdu);
+  const bool is_same =
+      is_refusal || (!asked.sent.empty() && from.pdu == ledger_.sent[asked.sent.back()].pdu);
   ++report_.apart[std::string(is_same ? "learning_stale_" : "learning_") + kind];
   constexpr unsigned kMostStale = 40;
   if (!is_shared && ++(is_same ? slips.stale : slips.wrong) > (is_same ? kMostStale : kMost)) {
