@@ -24,6 +24,11 @@ namespace mbgate::gateway {
 
 class DueAnswers {
  public:
+  struct Answer {
+    modbus::MbapBytes adu;
+    bus::Instant until = bus::Instant::max();  ///< then its client has given up
+    bool is_stops = false;
+  };
   using Ready = boost::container::small_vector<modbus::MbapBytes, 1>;
 
   explicit DueAnswers(bool ordered) : ordered_(ordered) {}
@@ -35,11 +40,6 @@ class DueAnswers {
 
   /// A request was taken: its answer is due.
   AnswerId open();
-  struct Answer {
-    modbus::MbapBytes adu;
-    bus::Instant until = bus::Instant::max();  ///< then its client has given up
-    bool is_stops = false;
-  };
   /// Without an answer: there will be none. Returns the ADUs that are to be sent now: with
   /// `ordered = true` an answer waits for those before it.
   Ready close(AnswerId id, const std::optional<Answer>& answer, bus::Instant now);

@@ -47,10 +47,13 @@ AskedTrace trace_of(const ClientSession& session, const Request& request) {
   return asked;
 }
 
-// A client that has given up may take an answer for that to its next request.
-Instant wanted_until(const ClientSession& session, Instant arrival) {
+// A client that has given up may take an answer for that to its next request. `arrival`: of the
+// request.
+DueAnswers::Answer answer_of(const ClientSession& session, const modbus::MbapAdu& adu,
+                             Instant arrival, bool is_stops) {
   const Duration give_up = session.listener().give_up;
-  return give_up > Duration{0} ? arrival + give_up : Instant::max();
+  const Instant until = give_up > Duration{0} ? arrival + give_up : Instant::max();
+  return {modbus::encode(adu), until, is_stops};
 }
 
 }  // namespace
@@ -85,9 +88,8 @@ void Requests::answer_at_once(ClientSession& session, const Request& request,
     asked.answered_at = now;
     trace_.refused(std::move(asked));
   }
-  const DueAnswers::Answer encoded{modbus::encode(adu), wanted_until(session, request.read_at),
-                                   request.is_stop};
-  send(session, session.answers.open(), encoded, now);
+  send(session, session.answers.open(), answer_of(session, adu, request.read_at, request.is_stop),
+       now);
 }
 
 void Requests::begin(ClientSession& session, Request& request, Instant now) {
@@ -276,8 +278,7 @@ void Requests::complete(std::uint32_t index, Instant now) {
     }
     std::optional<DueAnswers::Answer> answer;
     if (adu && !exchange.is_replaced) {
-      answer = {modbus::encode(*adu), wanted_until(*session, exchange.arrival),
-                exchange.has_stop()};
+      answer = answer_of(*session, *adu, exchange.arrival, exchange.has_stop());
     }
     send(*session, exchange.answer, answer, now);
     start_held(*session, now);

@@ -64,6 +64,15 @@ class OneAtATime : public testing::Test {
     settings.listeners[0].one_at_a_time = true;
     return settings;
   }
+  /// While a read is on the wire. That is answered, and then `answer` comes.
+  void ask_behind_a_read(const std::string& request, const char* answer) {
+    rig_.receive(1, read_request(1));
+    rig_.advance(10ms);
+    rig_.receive(1, request);
+    rig_.respond("01 03 02 00 01");
+    rig_.advance(10ms);
+    rig_.respond(answer);
+  }
   MachineRig rig_{settings()};
 };
 
@@ -81,12 +90,7 @@ TEST_F(OneAtATime, ANewRequestReplacesOneThatWaits) {
 }
 
 TEST_F(OneAtATime, OfOneThatWasTransmittedTheAnswerIsDropped) {
-  rig_.receive(1, read_request(1));
-  rig_.advance(10ms);
-  rig_.receive(1, write_request(2));
-  rig_.respond("01 03 02 00 01");
-  rig_.advance(10ms);
-  rig_.respond(kWrite1);
+  ask_behind_a_read(write_request(2), kWrite1);
   EXPECT_THAT(rig_.take_sent(1), ElementsAre(written(2)));
 }
 
@@ -99,12 +103,7 @@ TEST_F(OneAtATime, ARequestThatIsRefusedReplacesAnother) {
 }
 
 TEST_F(OneAtATime, AStopReplacesAnotherRequest) {
-  rig_.receive(1, read_request(1));
-  rig_.advance(10ms);
-  rig_.receive(1, stop_request(2));
-  rig_.respond("01 03 02 00 01");
-  rig_.advance(10ms);
-  rig_.respond(kStop1);
+  ask_behind_a_read(stop_request(2), kStop1);
   EXPECT_THAT(rig_.take_sent(1), ElementsAre(written(2, 1, true)));
 }
 
