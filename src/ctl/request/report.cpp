@@ -30,13 +30,14 @@ boost::json::value float_json(ValueType type, std::uint64_t bits) {
 }
 
 boost::json::value value_json(ValueType type, std::span<const std::uint64_t> value) {
-  switch (type) {
-    case ValueType::bit: return value.front() != 0;
-    case ValueType::f32:
-    case ValueType::f64: return float_json(type, value.front());
-    case ValueType::text: return boost::json::value(text_of(value));
-    default: return boost::json::parse(value_text(type, value.front()));  // JSON writes it alike
+  if (type == ValueType::bit) {
+    return value.front() != 0;
   }
+  if (type == ValueType::f32 || type == ValueType::f64) {
+    return float_json(type, value.front());
+  }
+  return type == ValueType::text ? boost::json::value(text_of(value))
+                                 : boost::json::parse(value_text(type, value.front()));
 }
 
 /// Calls `show` with the address of each value, and the value; a text is one value.

@@ -181,13 +181,16 @@ Result<std::uint16_t, std::string> parse_address(std::string_view text) {
 }
 
 std::string value_text(ValueType type, std::uint64_t bits) {
-  switch (type) {
-    case ValueType::f32: return float_text(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
-    case ValueType::f64: return float_text(std::bit_cast<double>(bits));
-    case ValueType::text: return text_of({&bits, 1});
-    default:
-      return is_signed(type) ? std::to_string(signed_number(type, bits)) : std::to_string(bits);
+  if (type == ValueType::f32) {
+    return float_text(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
   }
+  if (type == ValueType::f64) {
+    return float_text(std::bit_cast<double>(bits));
+  }
+  if (type == ValueType::text) {
+    return text_of({&bits, 1});
+  }
+  return is_signed(type) ? std::to_string(signed_number(type, bits)) : std::to_string(bits);
 }
 
 std::string value_line(std::uint16_t address, ValueType type, std::uint64_t bits) {
