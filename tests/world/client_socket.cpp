@@ -49,10 +49,10 @@ void Client::read_some() {
   socket_.erase(socket_.begin(), end);
   read_ += size;
   while (!marks_.empty() && marks_.front().end <= read_) {
-    tools_.ledger.asked[marks_.front().asked].given = tools_.schedule.now();
     const Id id = marks_.front().asked;
-    tools_.given(id);
     marks_.pop_front();
+    tools_.ledger.asked[id].given = tools_.schedule.now();
+    tools_.given(id);
     if (const Duration give_up = listener().give_up; give_up > Duration{0}) {
       tools_.schedule.after(give_up + 1us, while_alive([this, id] { forget(id); }));
     }
