@@ -66,7 +66,8 @@ class Echo {
   /// Stops waiting for the rest of a possible echo. Returns the bytes that were held back.
   [[nodiscard]] Held release();
 
-  /// The echo differed from what was sent: the bytes that follow cannot be told from its rest.
+  /// The echo differed from what was sent: until the wait for the answer ends, the bytes that
+  /// follow cannot be told from its rest.
   [[nodiscard]] bool is_spoilt() const { return spoilt_; }
   /// Does this, as a response, look like the echo of what was sent?
   [[nodiscard]] bool is_repetition(const modbus::Pdu& response) const;

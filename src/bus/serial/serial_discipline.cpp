@@ -146,7 +146,7 @@ void SerialDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
     return;
   }
   draining_ = draining_ || transaction_ == nullptr;
-  if (echo_.is_spoilt()) {
+  if (transaction_ != nullptr && echo_.is_spoilt()) {
     counters_.stray_bytes += bytes.size();
     return;
   }

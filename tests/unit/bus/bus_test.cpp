@@ -102,6 +102,19 @@ TEST_F(Bus, AnEchoThatDiffersIsCountedAndNotTakenForAnAnswer) {
   advance(1s);
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
   EXPECT_EQ(bus_->counters().echo_mismatches, 1U);
+  EXPECT_EQ(bus_->counters().late_responses, 0U);
+}
+
+TEST_F(Bus, FramesAreHeardAgainAfterAnEchoThatDiffered) {
+  auto echoing = settings();
+  echoing.line.echo = true;
+  open(echoing);
+  submit(job(kRead));
+  line("FF");
+  advance(150ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  line(kAnswer);
+  EXPECT_EQ(bus_->counters().late_responses, 1U);
 }
 
 TEST_F(Bus, AnEchoIsNoAnswerEvenIfNoiseCameBeforeIt) {
