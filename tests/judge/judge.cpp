@@ -103,24 +103,36 @@ void Judge::sent(Id id) {
   check_gone(id);
 }
 
+// When the clients leave a minute after the last fault. Stops of a storm may still wait then, and
+// what waits for their answers: with `ordered`, or where they fill the pipeline.
+void Judge::check_answered() {
+  std::map<Id, unsigned> stops;
+  std::vector<const Asked*> others;
+  for (const Asked& asked : ledger_.asked) {
+    const Connection& connection = ledger_.connections[asked.connection];
+    const bool has_waited = connection.gone == ledger_.rested && connection.half_closed == kNever &&
+                            asked.given < ledger_.rested && asked.answers == 0 && !asked.given_up;
+    if (has_waited && asked.intent.kind == Kind::stop) {
+      ++stops[asked.connection];
+    } else if (has_waited && asked.intent.answer_due) {
+      others.push_back(&asked);
+    }
+  }
+  for (const Asked* asked : others) {
+    const auto listener = ledger_.connections[asked->connection].listener;
+    const gateway::ListenerSettings& door = plan_.settings.listeners[listener];
+    const std::size_t room = door.ordered ? 1 : door.pipeline;
+    if (!door.one_at_a_time && stops[asked->connection] < room) {
+      violation("unanswered", name(*asked));
+    }
+  }
+}
+
 void Judge::check_rest() {
   check_failsafe_done();
   check_shares();
   std::ranges::for_each(waits_, [this](const auto& wait) { check_heard(wait.first); });
-  // Stops of a storm may still wait when their clients go, and with `ordered` all that is behind.
-  std::set<Id> with_stops;
-  for (const Asked& asked : ledger_.asked) {
-    const Connection& connection = ledger_.connections[asked.connection];
-    const auto& listener = plan_.settings.listeners[connection.listener];
-    const bool has_waited = connection.gone == ledger_.rested && connection.half_closed == kNever &&
-                            asked.given < ledger_.rested && asked.answers == 0 && !asked.given_up;
-    if (has_waited && asked.intent.kind == Kind::stop && listener.ordered) {
-      with_stops.insert(asked.connection);
-    } else if (has_waited && asked.intent.kind != Kind::stop && asked.intent.answer_due &&
-               !listener.one_at_a_time && !with_stops.contains(asked.connection)) {
-      violation("unanswered", name(asked));
-    }
-  }
+  check_answered();
   constexpr unsigned kTries = 240;  // a slow drive may have dozens of stops to carry out first
   for (std::size_t at = 0; at < plan_.doors.size(); ++at) {
     const Door& door = plan_.doors[at];

@@ -34,6 +34,7 @@ class Judge : public Witness {
   void check_end();
 
  private:
+  void check_answered();
   /// Wrong answers of a device whose lateness or second answers must first be learned.
   struct Slips {
     unsigned wrong = 0;  ///< since something was new
