@@ -158,7 +158,7 @@ void Dispatch::watch_deadlines(Instant now) {
     }
   });
   for (const Transmission* running : parts_.transmissions.running()) {
-    if (running->in_flight || running->is_stop()) {
+    if (running->in_flight || running->is_stop() || running->outlives_deadline()) {
       continue;
     }
     timers_.set(Timer::running_deadline, running->leader->deadline);

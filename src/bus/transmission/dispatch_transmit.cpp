@@ -26,7 +26,8 @@ void Dispatch::check_allowed(const Transmission& transmission, Instant now) cons
                 "no more is on the wire than there is room for");
   MBGATE_ASSERT(is_stop || !job.abandoned, "nothing is transmitted for a client that has gone");
   MBGATE_ASSERT(is_stop || !job.overtaken, "no write is transmitted behind its stop");
-  MBGATE_ASSERT(is_stop || now < job.deadline, "nothing is transmitted after its deadline");
+  MBGATE_ASSERT(is_stop || now < job.deadline || transmission.outlives_deadline(),
+                "nothing is begun, nor repeated, after its deadline");
   MBGATE_ASSERT(is_stop || ready_at(parts_, job).at <= now,
                 "nothing is transmitted before its silence, nor to a device that owes an answer");
   MBGATE_ASSERT(is_stop || transmission.tries == 0 || job.transaction().request.is_read() ||

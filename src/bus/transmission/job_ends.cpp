@@ -72,7 +72,8 @@ void JobEnds::expire(Instant now) {
 }
 
 // How a job ends of which nothing more is to be transmitted.
-std::optional<Ending> JobEnds::over(const Job& job, Instant now) const {
+std::optional<Ending> JobEnds::over(const Job& job, const Transmission& running,
+                                    Instant now) const {
   if (job.job_class == JobClass::stop) {
     return std::nullopt;
   }
@@ -82,13 +83,14 @@ std::optional<Ending> JobEnds::over(const Job& job, Instant now) const {
   if (!job.is_broadcast() && parts_.devices[job.address()].health.is_offline()) {
     return Ending::offline;
   }
-  return now >= job.deadline ? std::optional(Ending::expired) : std::nullopt;
+  return now >= job.deadline && !running.outlives_deadline() ? std::optional(Ending::expired)
+                                                             : std::nullopt;
 }
 
 void JobEnds::drop_followers(Transmission& transmission, Instant now) {
   auto& followers = transmission.followers;
   const auto dropped = std::ranges::remove_if(followers, [&](Job* follower) {
-    const auto ending = over(*follower, now);
+    const auto ending = over(*follower, transmission, now);
     if (ending) {
       parts_.counters.expired += *ending == Ending::expired ? 1U : 0U;
       end(*follower, *ending);
@@ -108,7 +110,7 @@ void JobEnds::end_over(Instant now) {
     }
     drop_followers(running, now);
     Job& leader = *running.leader;
-    const auto ending = over(leader, now);
+    const auto ending = over(leader, running, now);
     if (!ending) {
       ++at;
       continue;

@@ -42,6 +42,13 @@ struct Transmission {
   [[nodiscard]] bool is_between_tries() const {
     return tries > 0 && !in_flight && leader->transactions.size() == 1;
   }
+  /// A request of which a part was done is finished whatever its deadline is, but no part of it is
+  /// repeated after that. The forms of a broadcast are no parts, nor are checks (must_hold).
+  [[nodiscard]] bool outlives_deadline() const {
+    const auto is_part = [](const Transaction& it) { return it.must_hold == nullptr; };
+    return tries == 0 && !leader->is_broadcast() &&
+           std::ranges::any_of(std::span(leader->transactions).first(leader->current), is_part);
+  }
 };
 
 /// For whom it is, for a trace.
