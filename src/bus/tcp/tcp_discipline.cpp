@@ -193,7 +193,8 @@ void TcpDiscipline::handle_deadline(Instant now) {
   // What belongs to a request that is still waited for has its time.
   const bool is_awaited =
       stream_.size() > 1 && find(modbus::load_be16(stream_, 0)) != flights_.end();
-  if (is_timeout && !stream_.empty() && !is_awaited) {
+  const auto rest_by = stray_part_until();
+  if ((is_timeout && !stream_.empty() && !is_awaited) || (rest_by && now >= *rest_by)) {
     counters_.stray_bytes += stream_.size();
     fault_ = LineFault::answer_cut_off;
   } else if (const auto at = use_.replace_at(replace_after_); at && now >= *at) {
@@ -203,7 +204,7 @@ void TcpDiscipline::handle_deadline(Instant now) {
 }
 
 std::optional<Instant> TcpDiscipline::next_deadline() const {
-  std::optional<Instant> deadline = use_.replace_at(replace_after_);
+  std::optional<Instant> deadline = earlier(stray_part_until(), use_.replace_at(replace_after_));
   for (const Flight& flight : flights_) {
     deadline = earlier(deadline, flight.response_deadline);
   }

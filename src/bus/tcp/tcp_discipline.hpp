@@ -38,9 +38,11 @@ class TcpDiscipline {
   /// listened to until then.
   void open(Instant now, LineKind kind, Instant listen_until);
   /// A connection needs no silence but the `gap` that is asked for. Where the last one was closed
-  /// right after an answer, this one is given the time to be closed too.
+  /// right after an answer, this one is given the time to be closed too. Nothing is sent behind a
+  /// part of an answer that nobody waits for: the next answer would be taken for its rest.
   [[nodiscard]] Instant ready_at(Duration gap) const {
-    return std::max({quiet_since_ + gap, use_.closes_by(), ready_first_at_, listening_until_});
+    return std::max({quiet_since_ + gap, use_.closes_by(), ready_first_at_, listening_until_,
+                     stray_part_until().value_or(Instant::min())});
   }
   /// Transmits now; `transaction`, which gets the response, must outlive its end. No broadcasts.
   /// Returns the ADU.
@@ -95,6 +97,11 @@ class TcpDiscipline {
   };
   using Flights = std::vector<Flight>;
 
+  /// By then the rest of a part that nobody waits for has come, or framing is lost.
+  [[nodiscard]] std::optional<Instant> stray_part_until() const {
+    const bool is_there = !stream_.empty() && padding_ == 0 && flights_.empty();
+    return is_there ? std::optional(quiet_since_ + kNetworkSlack) : std::nullopt;
+  }
   Flights::iterator find(std::uint16_t identifier);
   std::uint16_t new_identifier();
   /// Takes one answer off the stream. False: there is no whole one, or framing is lost.

@@ -91,6 +91,33 @@ TEST_F(BusTcp, ATimeoutBehindHalfAnAnswerReplacesTheConnection) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::answered));
 }
 
+TEST_F(BusTcp, NothingIsSentBehindAPartOfAnAnswerThatNobodyAwaits) {
+  open(tcp());
+  submit(job(kRead));
+  line("00 01 00 00 00 05 01 03 02 12 34 00 01 00 00 00 05 01 03 02");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  submit(job(kRead));
+  advance(199ms);
+  EXPECT_THAT(replaced_, IsEmpty());
+  advance(1ms);
+  EXPECT_THAT(frames_, SizeIs(1));
+  EXPECT_THAT(faults_, ElementsAre(bus::LineFault::answer_cut_off));
+  reopen();
+  EXPECT_THAT(frames_, SizeIs(2));
+}
+
+TEST_F(BusTcp, WhatWaitsBehindAPartGoesWhenItsRestHasCome) {
+  open(tcp());
+  submit(job(kRead));
+  line("00 01 00 00 00 05 01 03 02 12 34 00 01 00 00 00 05 01 03 02");
+  submit(job(kRead));
+  advance(50ms);
+  EXPECT_THAT(frames_, SizeIs(1));
+  line("12 34");
+  EXPECT_THAT(frames_, SizeIs(2));
+  EXPECT_THAT(faults_, IsEmpty());
+}
+
 TEST_F(BusTcp, HalfAnAnswerThatIsStillWaitedForMayGoOn) {
   drive::Device slow{"slow", {}, 2, settings().timing};
   slow.timing.response_timeout = 1s;
