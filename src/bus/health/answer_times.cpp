@@ -60,7 +60,7 @@ std::optional<Duration> Durations::percentile(unsigned percent) const {
   constexpr unsigned kPercent = 100;
   const unsigned wanted = std::max((all_ * percent + kPercent - 1) / kPercent, 1U);
   unsigned seen = 0;
-  for (std::size_t step = 0; step < kSteps; ++step) {
+  for (std::size_t step = 0; step + 1 < kSteps; ++step) {
     seen += counts_[step];
     if (seen >= wanted) {
       return end_of_step(step);

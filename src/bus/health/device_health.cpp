@@ -35,7 +35,6 @@ bool DeviceHealth::note_heard(Instant now) {
 }
 
 void DeviceHealth::forget_shown() {
-  damaged_in_row_ = 0;
   if (!is_offline()) {
     state_ = {};
   }

@@ -88,7 +88,6 @@ void AnswerQuality::note_unreadable(Duration after, unsigned unasked) {
 
 void AnswerQuality::note_late(Duration lateness, Duration response_timeout) {
   has_answered_ = has_framed_ = true;
-  unreadable_in_row_ = 0;
   if (most_requests_ == 0 || std::exchange(late_since_ended_, true)) {
     return;
   }

@@ -44,7 +44,6 @@ void Echo::open() {
   owed_.clear();
   asked_.reset();
   heard_.reset();
-  echoed_ = false;
   may_answer_ = unproven_reported_ = false;
 }
 

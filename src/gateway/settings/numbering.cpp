@@ -108,9 +108,4 @@ bool keeps_line(const Settings& old, const Settings& next, BusId bus) {
   return !next.bus(bus).is_gone && next.bus(bus).line == old.bus(bus).line;
 }
 
-bool keeps_device(const Settings& old, const Settings& next, std::size_t device) {
-  return device < old.devices.size() && !old.devices[device].is_gone() &&
-         !next.devices[device].is_gone();
-}
-
 }  // namespace mbgate::gateway

@@ -22,7 +22,4 @@ namespace mbgate::gateway {
 /// Does the bus keep the same line?
 [[nodiscard]] bool keeps_line(const Settings& old, const Settings& next, BusId bus);
 
-/// Is the device in both settings?
-[[nodiscard]] bool keeps_device(const Settings& old, const Settings& next, std::size_t device);
-
 }  // namespace mbgate::gateway

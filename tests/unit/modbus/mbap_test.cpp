@@ -172,6 +172,7 @@ TEST(LooksLikeRtu, RecognisesTheFirstOfSeveral) {
 TEST(LooksLikeRtu, IsNotFooledByModbusTcpOrShortBytes) {
   EXPECT_FALSE(looks_like_rtu({}));
   EXPECT_FALSE(looks_like_rtu(bytes_of("01 03 00")));
+  EXPECT_FALSE(looks_like_rtu(bytes_of("01 7E 80")));  // 7E 80 is the CRC of 01
   EXPECT_FALSE(looks_like_rtu(bytes_of(kRead)));
   EXPECT_FALSE(looks_like_rtu(bytes_of("01 03 00 1E 00 02 A4 0C")));
   EXPECT_FALSE(looks_like_rtu(bytes_of("01 03 00 1E 00 02 A4")));

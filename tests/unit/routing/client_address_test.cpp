@@ -28,6 +28,10 @@ TEST(ClientAddress, V4IsTheSameClientOnAnIpv6Socket) {
   EXPECT_TRUE(address("::ffff:a00:7").is_v4());
   EXPECT_FALSE(address("::1").is_v4());
   EXPECT_FALSE(address("::10.0.0.7").is_v4());
+  EXPECT_FALSE(address("::ff:a00:7").is_v4());
+  EXPECT_FALSE(address("::ff00:a00:7").is_v4());
+  EXPECT_FALSE(address("2001:db8::ffff:a00:7").is_v4());
+  EXPECT_FALSE(address("::1:ffff:a00:7").is_v4());
 }
 
 TEST(ClientAddress, OctetsAreInNetworkOrderBehindTheMappingPrefix) {

@@ -34,11 +34,24 @@ TEST_F(BusQuality, BadCrcsAreJudgedThoughNoAnswerWasEverGood) {
   EXPECT_EQ(qualities_[0].verdict.of, 5U);
 }
 
+TEST_F(BusQuality, OfALineThatWasOpenedAgainIsJudgedAnew) {
+  open(settings());
+  for (int at = 0; at < 5; ++at) {
+    ask();
+    line(kDamagedAnswer);
+    rest();
+  }
+  bus_->handle_lost(now_);
+  bus_->handle_opened(now_);
+  drain();
+  EXPECT_EQ(bus_->diagnosis().quality()[1].verdict().quality, Quality::unknown);
+}
+
 TEST_F(BusQuality, BytesThatNeverMakeAFrameAreTold) {
   open(settings());
   for (int at = 0; at < 5; ++at) {
     ask();
-    line("E6 18 86 9E 06");
+    line("E6 18 86");
     rest();
   }
   EXPECT_EQ(bus_->diagnosis().quality()[1].verdict().quality, Quality::no_frame);

@@ -76,5 +76,17 @@ TEST_F(Health, ADeviceThatDoesNotIsHeldForWhatItOwes) {
   EXPECT_EQ(owed(read_), 2U);
 }
 
+TEST_F(Health, TailsBeforeItWasLeftAloneDoNotCountForTheNextTime) {
+  timing_.quarantine_max = 2s;
+  for (const auto due : {1s, 5s, 9s}) {
+    unanswered(read_, due);
+    asked(due + 1s);
+    answered(write_, kEcho, due + 3100ms, 1ms);
+  }
+  unanswered(read_, 15min);
+  asked(15min + 1s);
+  EXPECT_TRUE(may_be_asked(15min + 1s));
+}
+
 }  // namespace
 }  // namespace mbgate::test

@@ -62,6 +62,14 @@ TEST_F(LineQuality, OneBadCrcInTwentyIsEnough) {
   EXPECT_EQ(verdict().quality, Quality::bad_crc);
 }
 
+TEST_F(LineQuality, BadCrcsAreRareBelowOneInFifty) {
+  answers(1, 0, 9);
+  answers(1, 291, 0);  // beyond 200 the counts are halved: 4 of 200
+  EXPECT_EQ(verdict().quality, Quality::bad_crc);
+  answers(1, 1, 0);
+  EXPECT_EQ(verdict().quality, Quality::good);
+}
+
 TEST_F(LineQuality, BadCrcsOfTwoDevicesAreAMatterOfTheLine) {
   answers(1, 0, 5);
   EXPECT_EQ(quality_.verdict().quality, Quality::good);

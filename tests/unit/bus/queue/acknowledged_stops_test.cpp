@@ -30,5 +30,18 @@ TEST(AcknowledgedStops, OneThatIsRepeatedCountsOnce) {
   EXPECT_FALSE(stops.has(other, now));
 }
 
+TEST(AcknowledgedStops, OfOneDeviceDoNotCountAfterABroadcast) {
+  const bus::Job single = stop_of("06 0000 0001");
+  bus::Job broadcast = stop_of("06 0000 0001");
+  broadcast.transactions.front().broadcast.emplace();
+  bus::AcknowledgedStops stops;
+  const bus::Instant now{};
+  stops.note(single.transactions.front(), now);
+  stops.note(broadcast.transactions.front(), now);
+  stops.forget_single();
+  EXPECT_FALSE(stops.has(single, now));
+  EXPECT_TRUE(stops.has(broadcast, now));
+}
+
 }  // namespace
 }  // namespace mbgate::test

@@ -115,6 +115,20 @@ TEST_F(BusRefusedStops, AreJoinedByStopsThatAreTheSame) {
   EXPECT_EQ(stops_sent(), 2U);
 }
 
+TEST_F(BusRefusedStops, AreJoinedByNoMoreThanThereIsRoomFor) {
+  open(settings(), {axis()});
+  submit(job(kStop));
+  advance(10ms);
+  line(kBusy);
+  for (std::size_t joins = 0; joins < bus::kRoomForStops; ++joins) {
+    submit(job_of(1, kStop));
+  }
+  EXPECT_FALSE(bus_->submit(job_of(1, kStop), now_));
+  advance(150ms);
+  line(kStopFrame);
+  EXPECT_EQ(std::ranges::count(endings_, Ending::answered), 1 + bus::kRoomForStops);
+}
+
 TEST_F(BusRefusedStops, AreSentOnTheNextLineIfTheirsIsLostWhileTheyRest) {
   open(settings(), {axis()});
   submit(job(kStop));

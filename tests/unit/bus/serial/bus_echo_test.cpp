@@ -78,6 +78,20 @@ TEST_F(BusEcho, AReadShowsThatThereIsNoneOnlyIfNothingComesBeforeItsAnswer) {
   }
 }
 
+TEST_F(BusEcho, OfAnEarlierWriteMayComeUntilTenSecondsAfterItsTimeout) {
+  open_as(bus::LineKind::virtual_line, true);
+  submit(job(kWritePdu));
+  advance(kEmission + 100ms + 9950ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  submit(job(kWritePdu));
+  advance(10ms);
+  line(kRepetition);
+  line(kRepetition);
+  EXPECT_THAT(endings_, SizeIs(1));
+  line(kRepetition);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
+}
+
 TEST_F(BusEcho, WhatBeginsLikeItButEndsOtherwiseIsAnAnswer) {
   open_as(bus::LineKind::virtual_line);
   submit(job("01 0100 0008"));

@@ -123,6 +123,19 @@ TEST_F(BusTcp, AGapHoldsBackItsDevice) {
   EXPECT_EQ(until_next_frame(), 30ms);
 }
 
+TEST_F(BusTcp, LateAnswersAreKnownByTheIdentifiersOfTheLast64Timeouts) {
+  open(tcp());
+  for (std::size_t times = 0; times <= bus::kMostExpired; ++times) {
+    submit(job(kRead));
+    advance(100ms);
+  }
+  ASSERT_THAT(endings_, SizeIs(1 + bus::kMostExpired));
+  answer(1, "01 03 02 12 34");
+  EXPECT_EQ(bus_->counters().late_responses, 1U);
+  answer(0, "01 03 02 12 34");
+  EXPECT_EQ(bus_->counters().late_responses, 1U);
+}
+
 TEST_F(BusTcp, WhatALostConnectionOwedIsNotWaitedForOnTheNextOne) {
   auto slow = tcp();
   slow.timing.quarantine = 10s;

@@ -67,6 +67,13 @@ TEST_F(IntakeAlone, OfAClientThatLeavesOnlyStopsAreTaken) {
 TEST_F(IntakeAlone, EndsWhereFramingIsLost) {
   come("0001 0000 FFFF 01 03 0000 0001");
   EXPECT_TRUE(intake_.front(session_).framing_lost);
+  EXPECT_EQ(reports<gateway::ClientFramingLost>(actions_).size(), 1U);
+}
+
+TEST_F(IntakeAlone, SaysThatFramingIsLostOnlyIfItDoesNotLookLikeRtu) {
+  come("0B 06 00 1D 01 2C 19 2B");
+  EXPECT_TRUE(intake_.front(session_).framing_lost);
+  EXPECT_EQ(reports<gateway::ClientSpeaksRtu>(actions_).size(), 1U);
 }
 
 }  // namespace

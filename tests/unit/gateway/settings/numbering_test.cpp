@@ -55,9 +55,6 @@ TEST(Numbers, AreThoseThatRoutesRulesAndGuardsMean) {
   EXPECT_EQ(next.routes.back().device, 2U);
   EXPECT_THAT(next.rules.back().devices, ElementsAre(1U, 2U));
   EXPECT_EQ(next.guards.at(2).quiet, 7s);
-  EXPECT_TRUE(gateway::keeps_device(stop_plant(), next, 1));
-  EXPECT_FALSE(gateway::keeps_device(stop_plant(), next, 0));
-  EXPECT_FALSE(gateway::keeps_device(stop_plant(), next, 2));  // a new device
 }
 
 TEST(Numbers, OfBusesAreThoseThatDevicesAreOn) {

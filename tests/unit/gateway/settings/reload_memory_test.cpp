@@ -38,6 +38,25 @@ TEST(ReloadMemory, WhatWaitsIsNotSentWhereItsUnitLeadsToTheSameAddressOfAnotherL
   EXPECT_THAT(rig.take_sent(1), ElementsAre(busy(2)));
 }
 
+TEST(ReloadMemory, ABusThatGetsAnotherNameStillWaitsForLateAnswers) {
+  Settings settings = one_bus();
+  settings.buses[0].timing.quarantine = 500ms;
+  settings.buses[0].timing.retries = 0;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, read_request(1));
+  rig.advance(150ms);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 03 01 83 0B"));
+  settings.buses[0].name = "line-b";
+  rig.reload(settings);
+  rig.open_line(1);
+  rig.receive(1, read_request(2));
+  rig.advance(400ms);
+  EXPECT_THAT(rig.take_transmitted(1), testing::IsEmpty());
+  rig.advance(100ms);
+  EXPECT_THAT(rig.take_transmitted(1), testing::SizeIs(1));
+}
+
 /// Unit 1 leads to address 2.
 Settings moved(Settings settings) {
   settings.routes[0].first_address = 2;
