@@ -119,12 +119,10 @@ def seen_in(text):
     for seed, kind in re.findall(r"^seed (\d+): (\w+): ", text, re.MULTILINE):
         seeds.setdefault(kind, int(seed))
         told[kind] = told.get(kind, 0) + 1
-    line = re.findall(r"^  violations: (.*)$", text, re.MULTILINE)
-    if not line and BROKEN.search(text):
-        return Seen(told | {"broken_invariant": 1}, seeds, False)
-    if not line:
-        return Seen(told, seeds, True)
-    words = line[-1].split() if line[-1] != "none" else []
+    if not re.search(r"^\d+ seeds, \d+ with violations", text, re.MULTILINE):
+        broken = bool(BROKEN.search(text))
+        return Seen(told | {"broken_invariant": 1} if broken else told, seeds, not broken)
+    words = " ".join(re.findall(r"^  violations: (.*)$", text, re.MULTILINE)).split()
     return Seen(dict(zip(words[::2], map(int, words[1::2]))), seeds, False)
 
 

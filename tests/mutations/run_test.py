@@ -20,7 +20,7 @@ seed 7: misdelivered: not what was asked
   violations: misdelivered 9 quarantine 1 silence 12
   1.0 s, 50000 transactions a second
 """
-NOTHING = "100 seeds, 0 with violations: 50000 transactions\n  violations: none\n  1.0 s\n"
+NOTHING = "100 seeds, 0 with violations: 50000 transactions\n  faults: noise 3\n  1.0 s\n"
 DEAD = "seed 3: no_progress: the gateway's deadline stays in the past\nSegmentation fault\n"
 
 BROKEN = "seed 2: silence: 2 us too early\nbroken invariant: a write is transmitted once (src/bus/x.cpp:31)\n"
