@@ -2,6 +2,7 @@
 #include "judge/judge.hpp"
 
 #include <algorithm>
+#include <ranges>
 
 namespace mbgate::judge {
 
@@ -103,27 +104,34 @@ void Judge::sent(Id id) {
   check_gone(id);
 }
 
-// When the clients leave a minute after the last fault. Stops of a storm may still wait then, and
-// what waits for their answers: with `ordered`, or where they fill the pipeline.
+// The gateway understands 64 requests of a connection at a time, and the next when one is answered.
+bool Judge::is_overfull(Id connection, Instant at) const {
+  constexpr std::ptrdiff_t kUnderstood = 64;
+  return std::ranges::count_if(ledger_.asked, [&](const Asked& it) {
+           return it.connection == connection && it.given <= at && it.answered > at;
+         }) >= kUnderstood;
+}
+
+// When the clients leave a minute after the last fault. What a full connection held back is
+// younger. Stops of a storm may still wait, and what waits for their answers: with `ordered`, or
+// where they fill the pipeline.
 void Judge::check_answered() {
-  std::map<Id, unsigned> stops;
-  std::vector<const Asked*> others;
-  for (const Asked& asked : ledger_.asked) {
-    const Connection& connection = ledger_.connections[asked.connection];
-    const bool has_waited = connection.gone == ledger_.rested && connection.half_closed == kNever &&
-                            asked.given < ledger_.rested && asked.answers == 0 && !asked.given_up;
-    if (has_waited && asked.intent.kind == Kind::stop) {
-      ++stops[asked.connection];
-    } else if (has_waited && asked.intent.answer_due) {
-      others.push_back(&asked);
-    }
-  }
-  for (const Asked* asked : others) {
-    const auto listener = ledger_.connections[asked->connection].listener;
-    const gateway::ListenerSettings& door = plan_.settings.listeners[listener];
-    const std::size_t room = door.ordered ? 1 : door.pipeline;
-    if (!door.one_at_a_time && stops[asked->connection] < room) {
-      violation("unanswered", name(*asked));
+  const auto waits = [&](const Asked& it) {
+    const Connection& connection = ledger_.connections[it.connection];
+    return connection.gone == ledger_.rested && connection.half_closed == kNever &&
+           it.given < ledger_.rested - 30s && it.answers == 0 && !it.given_up &&
+           it.intent.answer_due;
+  };
+  for (const Asked& asked : ledger_.asked | std::views::filter(waits)) {
+    const Id at = asked.connection;
+    const auto& listener = plan_.settings.listeners[ledger_.connections[at].listener];
+    const auto stops = std::ranges::count_if(ledger_.asked, [&](const Asked& it) {
+      return it.connection == at && it.intent.kind == Kind::stop && waits(it);
+    });
+    const std::size_t room = listener.ordered ? 1 : listener.pipeline;
+    if (asked.intent.kind != Kind::stop && !listener.one_at_a_time &&
+        static_cast<std::size_t>(stops) < room && !is_overfull(at, ledger_.rested)) {
+      violation("unanswered", name(asked));
     }
   }
 }

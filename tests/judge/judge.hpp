@@ -34,6 +34,7 @@ class Judge : public Witness {
   void check_end();
 
  private:
+  [[nodiscard]] bool is_overfull(Id connection, Instant at) const;
   void check_answered();
   /// Wrong answers of a device whose lateness or second answers must first be learned.
   struct Slips {
@@ -47,6 +48,7 @@ class Judge : public Witness {
   // truth_answers.cpp: what a client gets is what its drive says, or a refusal that is true.
   void check_exception(const Asked& asked);
   void note_exception(const Asked& asked, const char* kind);
+  bool is_check_by_chance(std::size_t bus);
   void check_read(Id id);
   void check_write(Id id);
   [[nodiscard]] bool held(const Station& station, Table table, unsigned first,

@@ -67,7 +67,15 @@ void Judge::note_exception(const Asked& asked, const char* kind) {
       station && (std::ranges::any_of(ledger_.last_sent[*station], is_said_to) ||
                   std::ranges::any_of(ledger_.lines[plan_.stations[*station].bus].came, is_said_to,
                                       &Came::answers));
-  has_said ? note_wrong(asked, "exception") : violation(kind, name(asked));
+  if (has_said || !station || !is_check_by_chance(plan_.stations[*station].bus)) {
+    has_said ? note_wrong(asked, "exception") : violation(kind, name(asked));
+  }
+}
+
+// Noise inside an answer may make its check good, once in 65,536 times.
+bool Judge::is_check_by_chance(std::size_t bus) {
+  return !plan_.has_identifiers(bus) && ledger_.lines[bus].came.back().answers == kNone &&
+         report_.apart["check_by_chance"]++ == 0;
 }
 
 // Of two drives at one address either may have said it.
@@ -266,8 +274,7 @@ void Judge::note_wrong(const Asked& asked, const char* kind) {
   }
   Slips& slips = slips_[at];
   if (!is_special) {
-    // Noise inside an answer may make its check good, once in 65,536 times.
-    if (came.back().answers != kNone || report_.apart["check_by_chance"]++ > 0) {
+    if (!is_check_by_chance(station.bus)) {
       violation(kind, name(asked) + ", from " + name(from));
     }
     return;

@@ -146,7 +146,8 @@ void Judge::check_stopped(const Sent& sent) {
     const Asked& stop = ledger_.asked[id];
     const bool is_between = stop.given > asked.given && stop.given < sent.begin &&
                             ledger_.connections[stop.connection].process == ledger_.process;
-    if (is_between && !stop.intent.refused && !stop.withdrawn && asked.answers == 0) {
+    if (is_between && !stop.intent.refused && !stop.withdrawn && asked.answers == 0 &&
+        !is_overfull(stop.connection, sent.begin)) {
       violation("after_its_stop", name(sent) + " for " + name(asked) + " stopped by " + name(stop));
       return;
     }
