@@ -101,10 +101,6 @@ bool Explorer::enter(World& world) {
       return false;
     }
   }
-  if (findings_.states == most_) {
-    findings_.complete = false;
-    return false;
-  }
   ++findings_.states;
   steps_.push_back({world.choices()});
   if (!world.violation().empty()) {

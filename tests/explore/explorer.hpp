@@ -28,8 +28,7 @@ struct Findings {
   std::uint64_t merged = 0;  ///< transitions to a state that was known
   std::uint64_t ends = 0;    ///< states with no choice left
   std::size_t deepest = 0;
-  std::size_t memory = 0;  ///< bytes of the states that are known
-  bool complete = true;
+  std::size_t memory = 0;      ///< bytes of the states that are known
   std::uint64_t learning = 0;  ///< transitions with an answer that nobody could know to be wrong
   std::uint64_t violated = 0;  ///< paths that end in a violation
   std::vector<Violation> violations;  ///< the shortest of each kind
@@ -45,8 +44,6 @@ class Explorer {
  public:
   Explorer(const Plant& plant, const Bounds& bounds, Merging merging)
       : plant_(plant), bounds_(bounds), merging_(merging) {}
-  /// Gives up after so many states.
-  void set_most(std::uint64_t states) { most_ = states; }
   Findings run();
 
  private:
@@ -68,7 +65,6 @@ class Explorer {
   const Plant& plant_;
   Bounds bounds_;
   Merging merging_;
-  std::uint64_t most_ = ~std::uint64_t{0};
   KnownStates known_;
   std::map<Digest, Digest> behaviours_;
   std::vector<Step> steps_;

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <chrono>
 #include <cstdio>
+#include <fmt/format.h>
 #include <string>
 #include <string_view>
 
@@ -17,7 +18,6 @@ constexpr double kMegabyte = 1024.0 * 1024.0;
 struct Options {
   Bounds bounds{2, 1, 1};
   std::string world = "usual";
-  std::uint64_t most = 0;
   Merging merging = Merging::on;
   Path path;
   bool is_replay = false;
@@ -61,10 +61,8 @@ bool read_value(std::string_view name, std::string_view text, Options& options) 
                                            : nullptr;
   if (bound != nullptr) {
     *bound = static_cast<unsigned>(number);
-    return number <= kSlots;
   }
-  options.most = number;
-  return name == "--most";
+  return bound != nullptr && number <= kSlots;
 }
 
 bool parse(int count, char** arguments, Options& options) {
@@ -74,55 +72,36 @@ bool parse(int count, char** arguments, Options& options) {
       options.bounds.forms = true;
     } else if (name == "--drives") {
       options.bounds.drives = true;
-    } else if (name == "--unmerged" || name == "--compare") {
-      options.merging = name == "--compare" ? Merging::compared : Merging::off;
+    } else if (name == "--compare") {
+      options.merging = Merging::compared;
     } else if (at + 1 == count || !read_value(name, arguments[++at], options)) {
       return false;
     }
   }
-  const auto& [requests, faults, delays, forms, drives, instants] = options.bounds;
-  return 2 * (faults + 1) * (delays + 1) <= kMostSlacks;
-}
-
-std::string to_text(const Path& path) {
-  std::string text;
-  for (const std::uint16_t place : path) {
-    text += (text.empty() ? "" : ",") + std::to_string(place);
-  }
-  return text;
+  return 2 * (options.bounds.faults + 1) * (options.bounds.delays + 1) <= kMostSlacks;
 }
 
 /// True: nothing is violated.
 bool explore(const Plant& plant, const Options& options) {
   const auto& [requests, faults, delays, forms, drives, instants] = options.bounds;
   const auto begun = std::chrono::steady_clock::now();
-  Explorer explorer(plant, options.bounds, options.merging);
-  if (options.most > 0) {
-    explorer.set_most(options.most);
-  }
-  const Findings found = explorer.run();
+  const Findings found = Explorer(plant, options.bounds, options.merging).run();
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
-  std::printf(
-      "%s: %u requests, %u faults%s%s, %u delays, %u instants an edge: %s, %llu states, %llu "
-      "transitions, %llu merged, "
-      "%llu ends, %zu deep, %llu learning, %llu violations, %.1f s, %.0f MB\n",
-      std::string(plant.name).c_str(), requests, faults, forms ? " of all forms" : "",
-      drives ? " of drives too" : "", delays, instants,
-      found.complete ? "complete" : "NOT COMPLETE", static_cast<unsigned long long>(found.states),
-      static_cast<unsigned long long>(found.transitions),
-      static_cast<unsigned long long>(found.merged), static_cast<unsigned long long>(found.ends),
-      found.deepest, static_cast<unsigned long long>(found.learning),
-      static_cast<unsigned long long>(found.violated), took.count(),
-      static_cast<double>(found.memory) / kMegabyte);
+  fmt::print(
+      "{}: {} requests, {} faults{}{}, {} delays, {} instants an edge: complete, {} states, {} "
+      "transitions, {} merged, {} ends, {} deep, {} learning, {} violations, {:.1f} s, {:.0f} MB\n",
+      plant.name, requests, faults, forms ? " of all forms" : "", drives ? " of drives too" : "",
+      delays, instants, found.states, found.transitions, found.merged, found.ends, found.deepest,
+      found.learning, found.violated, took.count(), static_cast<double>(found.memory) / kMegabyte);
   for (const Violation& violation : found.violations) {
-    std::printf("\nVIOLATION %s\n", violation.what.c_str());
+    fmt::print("\nVIOLATION {}\n", violation.what);
     static_cast<void>(replay(plant, options.bounds, violation.path));
-    std::printf(
-        "replay: gateway_explore --world %s --requests %u --faults %u --delays %u%s%s --instants "
-        "%u "
-        "--replay %s\n",
-        std::string(plant.name).c_str(), requests, faults, delays, forms ? " --forms" : "",
-        drives ? " --drives" : "", instants, to_text(violation.path).c_str());
+    fmt::print(
+        "replay: gateway_explore --world {} --requests {} --faults {} --delays {}{}{} --instants "
+        "{} "
+        "--replay {}\n",
+        plant.name, requests, faults, delays, forms ? " --forms" : "", drives ? " --drives" : "",
+        instants, fmt::join(violation.path, ","));
   }
   std::fflush(stdout);
   return found.violations.empty();
@@ -131,8 +110,8 @@ bool explore(const Plant& plant, const Options& options) {
 void print_usage() {
   std::fputs(
       "usage: gateway_explore [--world NAME|all] [--requests N] [--faults N] [--delays N]\n"
-      "                       [--instants 1|2|3] [--forms] [--drives] [--most STATES]\n"
-      "                       [--unmerged|--compare] [--replay PATH]\n"
+      "                       [--instants 1|2|3] [--forms] [--drives]\n"
+      "                       [--compare] [--replay PATH]\n"
       "(faults + 1) * (delays + 1) is at most 16; tests/README.md says what each option does.\n"
       "worlds:\n",
       stderr);
