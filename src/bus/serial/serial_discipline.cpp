@@ -89,7 +89,7 @@ void SerialDiscipline::limit_wait(const Transaction& /*transaction*/, Duration l
 bool SerialDiscipline::handle_looked(Instant now) {
   const bool is_over =
       transaction_ == nullptr ? is_answerless_ : now >= response_due_ && !framer_.in_progress();
-  if (unsent_ == 0 || !is_over || now < silence_.possible_at() + kDriverIsLate) {
+  if (unsent_ == 0 || !is_over || now < silence_.emission_ends() + kDriverIsLate) {
     return false;
   }
   note_fault(faults_, LineFault::driver_stalled);

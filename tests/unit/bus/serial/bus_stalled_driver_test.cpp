@@ -73,6 +73,16 @@ TEST_F(BusStalledDriver, IsLostBeforeWhatFollowsABroadcast) {
   EXPECT_THAT(frames_, SizeIs(1));
 }
 
+TEST_F(BusStalledDriver, IsLostBeforeWhatWaitsForTheTurnaroundOfABroadcast) {
+  open(settings());
+  submit(job(kSilentWrite, 0));
+  submit(job(kRead));
+  holds(8);
+  advance(1s);
+  EXPECT_TRUE(is_lost());
+  EXPECT_THAT(frames_, SizeIs(1));
+}
+
 TEST_F(BusStalledDriver, MayBeALittleLateWithABroadcast) {
   auto quick = settings();
   quick.turnaround = 0ms;
