@@ -235,12 +235,14 @@ bool LineDiagnosis::note_second_answer(const UnsolicitedFrame& unsolicited) {
   return true;
 }
 
-// It stands in the place of the answer to what the device is asked, and does not fit it.
+// It stands in the place of the answer to what the device is asked, and fits in its function alone.
 bool LineDiagnosis::note_misfit(const UnsolicitedFrame& unsolicited) {
   SerialDiscipline* line = parts_.line.serial();  // a connection's identifiers tell answers apart
   const Transmission* asked = asked_of(parts_, unsolicited.address);
+  const std::uint8_t function = unsolicited.pdu.function() & ~modbus::kExceptionBit;
   if (line == nullptr || unsolicited.after_noise || unsolicited.is_request || asked == nullptr ||
-      unsolicited.came < asked->last_sent || is_own(parts_, unsolicited)) {
+      asked->on_wire().request.function() != function || unsolicited.came < asked->last_sent ||
+      is_own(parts_, unsolicited)) {
     return false;
   }
   DeviceEntry& entry = parts_.devices[unsolicited.address];
@@ -261,9 +263,8 @@ bool LineDiagnosis::note_misfit(const UnsolicitedFrame& unsolicited) {
 }
 
 // A request that somebody else sent, or a frame of a device that has owed nothing for so long that
-// it can be no late answer: another client is on this line, or another device at this address. What
-// a line had in store when it was opened says nothing. On Modbus TCP the transaction identifier
-// says that it is an answer to this gateway, however late.
+// it can be no late answer: another client is on this line, or another device at this address. Just
+// after an opening it says nothing; nor on Modbus TCP, where the identifier was this gateway's.
 void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
   if (parts_.settings.line.framing == Framing::tcp) {
     return;

@@ -73,11 +73,13 @@ TEST_F(BusMisfit, AnotherNumberOfRegistersIsOne) {
   expect_misfit(20ms);
 }
 
-TEST_F(BusMisfit, AnotherFunctionIsOne) {
+TEST_F(BusMisfit, AnotherFunctionIsNone) {
   open(settings());
   ask("04 0000 0001");
   line(kAnswer);
-  expect_misfit(20ms);
+  line("01 04 02 12 34 B4 47");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  EXPECT_THAT(notices_, IsEmpty());
 }
 
 TEST_F(BusMisfit, ItsAnswerMayStandBehindIt) {
