@@ -53,7 +53,7 @@ void Clients::half_closed(ClientId client) {
   session->half_close();
   for (const std::uint32_t exchange : session->exchanges) {
     if (!exchanges_[exchange].plan->is_read()) {
-      exchanges_.cancel(exchange);
+      exchanges_.take_back(exchange);
     }
   }
   sessions_.wake(*session);

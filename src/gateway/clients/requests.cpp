@@ -152,7 +152,7 @@ void Requests::replace_unanswered(ClientSession& session) {
   for (const std::uint32_t index : session.exchanges) {
     if (Exchange& unanswered = exchanges_[index]; !unanswered.has_stop()) {
       unanswered.is_replaced = true;
-      exchanges_.cancel(index);
+      exchanges_.take_back(index);
     }
   }
   session.answers.drop_waiting();

@@ -116,6 +116,15 @@ void Exchanges::cancel(std::uint32_t index) {
   }
 }
 
+void Exchanges::take_back(std::uint32_t index) {
+  const auto is_begun = [](const Exchange::Part& part) {
+    return part.job->was_on_wire && !part.job->is_read();
+  };
+  if (std::ranges::none_of(exchanges_[index].parts, is_begun)) {
+    cancel(index);
+  }
+}
+
 void Exchanges::abandon(std::uint32_t index) {
   for (const Exchange::Part& part : exchanges_[index].parts) {
     buses_.touch(part.bus).abandon(*part.job);

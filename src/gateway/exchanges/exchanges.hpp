@@ -38,6 +38,8 @@ class Exchanges {
   /// Withdraws what waits. What is on the wire goes on, but is not repeated for a client that has
   /// gone. Stops are carried out even if their client has gone.
   void cancel(std::uint32_t index);
+  /// The same, but a write of which a part was on the wire is finished.
+  void take_back(std::uint32_t index);
 
   /// Sees to it that no more of its stops is sent.
   void abandon(std::uint32_t index);
