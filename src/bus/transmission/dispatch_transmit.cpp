@@ -100,6 +100,9 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
   BusCounters& counters = parts_.counters;
   DeviceEntry& entry = parts_.devices[sent.address];
   drive::DeviceTiming timing = parts_.settings.timing;
+  if (transmission.is_stop() && transmission.tries == 0) {
+    transmission.is_one_try = is_given_up(parts_, transmission);
+  }
   if (sent.is_broadcast()) {
     ++counters.broadcasts;
     parts_.devices.note_written(sent);
@@ -110,7 +113,7 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
     transmission.is_probe = !transmission.is_stop() && (is_offline || is_decisive);
     // A write as the probe does not: a device that is back may carry it out, and then answers.
     const bool hurries =
-        (transmission.is_stop() && is_offline) || (transmission.is_probe && sent.request.is_read());
+        transmission.is_one_try || (transmission.is_probe && sent.request.is_read());
     const TimesInForce times = entry.in_force(sent.request, hurries);
     timing = times.timing;
     transmission.hurried_by = times.hurried_by;
@@ -118,9 +121,6 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
     counters.probes += transmission.is_probe ? 1U : 0U;
   }
   parts_.devices.note_reconfiguring(sent);
-  if (transmission.is_stop() && transmission.tries == 0) {
-    transmission.is_one_try = is_given_up(parts_, transmission);
-  }
   parts_.last_sent.note(job.job_class, sent.address);
   ++counters.transmissions;
   counters.stops += transmission.is_stop() ? 1U : 0U;

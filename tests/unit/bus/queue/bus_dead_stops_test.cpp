@@ -69,6 +69,22 @@ TEST_F(BusDeadStops, ThatTurnHasStopWaitForItsAnswer) {
   EXPECT_EQ(frame_times_[2] - frame_times_[1], kEmission + 100ms);
 }
 
+TEST_F(BusDeadStops, TheFirstSeriesToAnOfflineDeviceWaitsForItsWholeTimeout) {
+  auto slow = breaking();
+  slow.timing.response_timeout = 500ms;
+  open_axis(slow);
+  for (int times = 0; times < 3; ++times) {
+    submit(job(kRead));
+    advance(2s);
+  }
+  ASSERT_TRUE(bus_->devices()[1].health.is_offline());
+  submit(job(kStop));
+  advance(kEmission + 450ms);
+  EXPECT_EQ(stops_sent(), 1U);
+  line(kStopFrame);
+  EXPECT_EQ(endings_.back(), Ending::answered);
+}
+
 TEST_F(BusDeadStops, WithNobodyElseWaitingAStopIsRepeatedAtOnce) {
   open_axis(settings());
   submit(job(kStop));
