@@ -18,7 +18,9 @@ void AdapterWatch::note_byte(Instant now) {
 }
 
 bool AdapterWatch::is_hung(const BusSettings& settings, Instant now) const {
-  return kind_ != LineKind::virtual_line && settings.hung_after > Duration::zero() &&
+  const bool is_watched = kind_ != LineKind::virtual_line ||
+                          (settings.line.remote && settings.line.framing != Framing::tcp);
+  return is_watched && settings.hung_after > Duration::zero() &&
          requests_ >= settings.hung_requests && silence(now) >= patience(settings);
 }
 

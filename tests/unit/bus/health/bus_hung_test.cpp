@@ -144,6 +144,16 @@ TEST_F(BusHung, EndsWhatIsRepeatedInTimeWhileItIsReopened) {
   EXPECT_THAT(endings_, SizeIs(1));
 }
 
+TEST_F(BusHung, MayBeADeviceServerBehindTcp) {
+  auto settings = Bus::settings();
+  settings.line.remote = bus::Endpoint{"server", 4001};
+  open_adapter(bus::LineKind::virtual_line, settings);
+  ask_in_vain(10);
+  advance(30s);
+  submit(job(kRead));
+  EXPECT_TRUE(bus_->link().is_reopening());
+}
+
 TEST_F(BusHung, IsLostIfItCannotBeOpenedAgain) {
   open_adapter(bus::LineKind::uart);
   ask_in_vain(10);
