@@ -169,7 +169,7 @@ void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
   }
   use_.note_answer(now);
   transaction.response = answer.pdu;
-  ends_.push_back({LineEnd::How::response, &transaction, flight->due});
+  ends_.push_back({LineEnd::How::response, &transaction, flight->due, now - flight->sent});
   flights_.erase(flight);
 }
 
