@@ -142,12 +142,12 @@ void Judge::check_crawl(Id id) {
                       return it != id && ledger_.sent[it].answered > before.begin;
                     });
   const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*before.station]);
-  const Asked& asked = ledger_.asked[sent.asked.front()];
+  const Asked& asked = ledger_.asked[sent.asked.back()];  // others may have ended unanswered
   Instant from = std::max(
       {before.crawls, asked.given, ledger_.reloaded, before.end + timing.response_timeout});
   // Behind others of its connection it may have waited for its turn, or does so till just now.
   std::size_t ahead = 0;
-  for (const Asked& other : ledger_.asked | std::views::take(sent.asked.front())) {
+  for (const Asked& other : ledger_.asked | std::views::take(sent.asked.back())) {
     if (other.connection == asked.connection) {
       from = std::max(from, other.answers > 0 ? other.answered : from);
       ahead += other.answers > 0 || other.dropped ? 0U : 1U;
