@@ -38,8 +38,9 @@ TEST(Runs, AWriteInPartsIsFinishedThoughItsClientAsksAgainOrHalfCloses) {
     rig.advance(30ms);
     rig.respond("01 10 00 05 00 02");
     EXPECT_THAT(rig.take_transmitted(), testing::SizeIs(2)) << asks;
-    EXPECT_THAT(rig.take_sent(1), testing::ElementsAre(asks ? "00 02 00 00 00 03 FA 83 0A"
-                                                            : "00 01 00 00 00 06 01 10 00 00 00 07"));
+    EXPECT_THAT(rig.take_sent(1),
+                testing::ElementsAre(asks ? "00 02 00 00 00 03 FA 83 0A"
+                                          : "00 01 00 00 00 06 01 10 00 00 00 07"));
   }
 }
 
