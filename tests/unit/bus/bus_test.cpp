@@ -241,6 +241,7 @@ TEST_F(Bus, NoPartOfARunIsRepeatedAfterItsDeadline) {
   advance(10s);
   EXPECT_THAT(frames_, SizeIs(3));  // both parts, and one of them again
   EXPECT_THAT(endings_, ElementsAre(Ending::expired));
+  EXPECT_EQ(bus_->counters().expired, 1U);
 }
 
 // The check is the gateway's own; of what the client has asked for, nothing has begun.

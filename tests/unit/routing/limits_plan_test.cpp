@@ -163,6 +163,7 @@ TEST(LimitsPlan, FunctionsThatTheDriveDoesNotHaveAreNotAllowed) {
             Texts{kNotAllowed});  // and cuts a value
   EXPECT_EQ(Planned(device, "03 0000 0001").requests(), Texts{"03 00 00 00 01"});
   device.write_function = 0x10;
+  device.profile.functions.reset(6);
   EXPECT_EQ(Planned(device, "06 0000 0001").requests(), Texts{"10 00 00 00 01 02 00 01"});
 }
 

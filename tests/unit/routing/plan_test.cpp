@@ -129,6 +129,17 @@ TEST(Plan, ReadOnlyRoutesAndClientsMayOnlyRead) {
   EXPECT_EQ(plan.error(), ExceptionCode::illegal_function);
 }
 
+TEST(FunctionRules, OfAWindowAreThoseThatItCanRewrite) {
+  const auto rules = routing::FunctionRules::rewritable();
+  std::vector<std::size_t> allowed;
+  for (std::size_t function = 0; function < rules.allowed.size(); ++function) {
+    if (rules.allowed.test(function)) {
+      allowed.push_back(function);
+    }
+  }
+  EXPECT_EQ(allowed, (std::vector<std::size_t>{1, 2, 3, 4, 5, 6, 15, 16, 22, 23, 24}));
+}
+
 // Its answer has another form than that of the other diagnostics, and would be taken for no answer.
 TEST(Plan, RefusesTheStatisticsOfModbusPlus) {
   Route route = window_route();

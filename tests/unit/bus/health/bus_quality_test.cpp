@@ -117,6 +117,20 @@ TEST_F(BusQuality, ForeignIsNobodyWithinQuarantineMaxOfTheOpening) {
   EXPECT_THAT(notices_, ElementsAre(Notice::foreign));
 }
 
+TEST_F(BusQuality, ForeignIsToldOnceForEachOpeningOfTheLine) {
+  open(settings());
+  for (std::size_t openings = 1; openings <= 2; ++openings) {
+    for (int frames = 0; frames < 2; ++frames) {
+      advance(11s);
+      line("02 03 02 12 34 F1 33");
+    }
+    EXPECT_THAT(notices_, SizeIs(openings));
+    bus_->handle_lost(now_);
+    bus_->handle_opened(now_);
+    drain();
+  }
+}
+
 TEST_F(BusQuality, ForeignIsNotADeviceThatHasOwedAnAnswerLately) {
   open(settings());
   advance(11s);

@@ -180,6 +180,9 @@ TEST_F(Bus, KnowsTheLongestOrdinaryTransaction) {
   quick.timing.response_wait = 50ms;
   quick.profile.slow = {{{}, 5s}};
   EXPECT_EQ(bus::longest_transaction(settling, std::vector{quick}), 311250us);
+  settling.line.framing = bus::Framing::ascii;  // 513 characters and 16 take 303.073 ms
+  const Duration ascii = bus::longest_transaction(settling, std::vector{quick});
+  EXPECT_EQ(std::chrono::ceil<std::chrono::microseconds>(ascii), 463073us);
   settling.line.framing = bus::Framing::tcp;
   EXPECT_EQ(bus::longest_transaction(settling, std::vector{quick}), 150ms);
 }

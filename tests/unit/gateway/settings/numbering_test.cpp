@@ -62,12 +62,14 @@ TEST(Numbers, OfBusesAreThoseThatDevicesAreOn) {
   Settings read = stop_plant();
   read.buses.insert(read.buses.begin(), read.buses.front());
   read.buses.front().name = "line-b";
+  read.listeners.front().bus = BusId{1};
   for (drive::Device& device : read.devices) {
     device.bus = BusId{1};
   }
   const Settings next = numbered_after(in_force, read);
   EXPECT_EQ(next.buses.at(1).name, "line-b");
   EXPECT_EQ(next.devices.front().bus, BusId{0});
+  EXPECT_EQ(next.listeners.front().bus, BusId{0});
   EXPECT_TRUE(gateway::keeps_line(in_force, next, BusId{0}));
 }
 
