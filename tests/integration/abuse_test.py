@@ -20,11 +20,13 @@ import unittest
 
 from abusers import HTTP_KINDS, KINDS, TLS_KINDS
 from control_case import UnixConnection
-from demo_plant import PATIENCE, Process, program
+import demo_plant
+from demo_plant import Process, program
 from fault_plant import Client, FaultCase, answer_pdu, is_sanitized, read_of
 from machine_faults_test import resident
 
 ARGUMENTS = dict(zip(sys.argv[1::2], map(float, sys.argv[2::2]), strict=False))
+PATIENCE = 4 * demo_plant.PATIENCE  # a newcomer waits in a full queue, and the machine may be busy with others
 ROUNDS = int(ARGUMENTS.get("--rounds", 2))
 QUIET = ARGUMENTS.get("--quiet", 2)  # seconds
 NOISY = ARGUMENTS.get("--noisy", 4)
@@ -69,7 +71,7 @@ class Newcomer:
         self._port = port
 
     def ask(self, pdu):
-        client = Client(self._port, NEWCOMER)
+        client = Client(self._port, NEWCOMER, PATIENCE)
         try:
             return client.ask(pdu)
         finally:

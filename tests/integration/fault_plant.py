@@ -60,8 +60,8 @@ class NotedLine(ScriptedLine):
 class Client:
     """A connection of a Modbus TCP client."""
 
-    def __init__(self, port, address="127.0.0.1"):
-        self._socket = socket.create_connection(("127.0.0.1", port), PATIENCE, (address, 0))
+    def __init__(self, port, address="127.0.0.1", patience=PATIENCE):
+        self._socket = socket.create_connection(("127.0.0.1", port), patience, (address, 0))
         self._sent = 0
 
     def send(self, pdu, unit=DRIVE):
