@@ -137,9 +137,9 @@ struct BusSettings {
   unsigned replace_after = 5;
   Duration reopen_min = std::chrono::milliseconds(100);
   Duration reopen_max = std::chrono::seconds(5);
-  /// A physical adapter that received nothing for `hung_after`, while at least `hung_requests`
-  /// requests were sent, is closed and opened again; 0: never. The time doubles with each
-  /// reopening, up to `hung_max`, until something is received.
+  /// A physical adapter, or a device server behind tcp://, that received nothing for `hung_after`,
+  /// while at least `hung_requests` requests were sent, is closed and opened again; 0: never. The
+  /// time doubles with each reopening, up to `hung_max`, until something is received.
   Duration hung_after = std::chrono::seconds(30);
   unsigned hung_requests = 10;
   Duration hung_max = std::chrono::minutes(10);

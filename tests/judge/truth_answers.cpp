@@ -67,8 +67,10 @@ void Judge::note_exception(const Asked& asked, const char* kind) {
       station && (std::ranges::any_of(ledger_.last_sent[*station], is_said_to) ||
                   std::ranges::any_of(ledger_.lines[plan_.stations[*station].bus].came, is_said_to,
                                       &Came::answers));
-  if (has_said || !station || !is_check_by_chance(plan_.stations[*station].bus)) {
-    has_said ? note_wrong(asked, "exception") : violation(kind, name(asked));
+  if (has_said) {
+    note_wrong(asked, "exception");
+  } else if (!station || !is_check_by_chance(plan_.stations[*station].bus)) {
+    violation(kind, name(asked));
   }
 }
 
@@ -285,8 +287,7 @@ void Judge::note_wrong(const Asked& asked, const char* kind) {
   slips.process = ledger_.process;
   slips.right = 0;
   const bool is_shared = std::exchange(slips.last, last->at) == last->at;
-  // What it said to the same question a moment before cannot be told from the answer to this one;
-  // nor can what refuses a stop, which waits for no second answer.
+  // What it said to the same question a moment before cannot be told from the answer to this one.
   const bool is_same =
       is_refusal || (!asked.sent.empty() && from.pdu == ledger_.sent[asked.sent.back()].pdu);
   ++report_.apart[std::string(is_same ? "learning_stale_" : "learning_") + kind];
