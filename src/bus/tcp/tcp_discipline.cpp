@@ -56,6 +56,10 @@ FrameBytes TcpDiscipline::begin(Transaction& transaction, const drive::DeviceTim
   const std::uint16_t identifier = new_identifier();
   const Instant due = now + timing.response_timeout + timing.response_wait;
   flights_.push_back({identifier, &transaction, now, due, due});
+  asked_.push_back({identifier, transaction.address, transaction.unit});
+  if (asked_.size() > kMostAsked) {
+    asked_.pop_front();
+  }
   owed_ = std::move(owed);
   quiet_since_ = now;
   use_.note_asked(now);
@@ -70,7 +74,7 @@ void TcpDiscipline::abort() {
   stream_.clear();
   padding_ = 0;
   ends_.clear();
-  expired_.clear();
+  asked_.clear();
   unsolicited_.clear();
   fault_.reset();
   use_.forget_unanswered();
@@ -84,7 +88,7 @@ std::uint16_t TcpDiscipline::new_identifier() {
   do {
     ++last_identifier_;
   } while (find(last_identifier_) != flights_.end());
-  std::erase_if(expired_, [this](const Expired& it) { return it.identifier == last_identifier_; });
+  std::erase_if(asked_, [this](const Sent& it) { return it.identifier == last_identifier_; });
   return last_identifier_;
 }
 
@@ -124,8 +128,7 @@ bool TcpDiscipline::take_answer(Instant now) {
 void TcpDiscipline::skip_padding() {
   const auto begins = [this](std::uint16_t identifier) { return begins_with(stream_, identifier); };
   const auto may_be_answer = [&] {
-    return !check_transaction_ || std::ranges::any_of(flights_, begins, &Flight::identifier) ||
-           std::ranges::any_of(expired_, begins, &Expired::identifier);
+    return !check_transaction_ || std::ranges::any_of(asked_, begins, &Sent::identifier);
   };
   while (padding_ > 0 && !stream_.empty() && !may_be_answer()) {
     stream_.erase(stream_.begin());
@@ -145,12 +148,12 @@ void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
   if (flight == flights_.end()) {
     // Without identifiers it may belong to any of those that its unit sent.
     ++counters_.unsolicited_frames;
-    const auto expired = std::ranges::find_if(
-        expired_, [&](const Expired& it) { return is_from(it.identifier, it.unit); });
-    if (expired != expired_.end()) {
+    const auto asked = std::ranges::find_if(
+        asked_, [&](const Sent& it) { return is_from(it.identifier, it.unit); });
+    if (asked != asked_.end()) {
       use_.note_answer(now);
-      unsolicited_.add({expired->address, answer.pdu, now});
-      expired_.erase(expired);
+      unsolicited_.add({asked->address, answer.pdu, now});
+      asked_.erase(asked);
     }
     return;
   }
@@ -165,11 +168,17 @@ void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
   }
   if (!is_fitting(modbus::check_response(transaction.request, answer.pdu.bytes()))) {
     ++counters_.unsolicited_frames;
+    if (!check_transaction_) {
+      unsolicited_.add({transaction.address, answer.pdu, now});
+    }
     return;
   }
   use_.note_answer(now);
   transaction.response = answer.pdu;
   ends_.push_back({LineEnd::How::response, &transaction, flight->due, now - flight->sent});
+  if (check_transaction_) {
+    std::erase_if(asked_, [&](const Sent& it) { return it.identifier == flight->identifier; });
+  }
   flights_.erase(flight);
 }
 
@@ -182,11 +191,6 @@ void TcpDiscipline::handle_deadline(Instant now) {
         use_.note_unanswered(flight.sent);
       }
       ends_.push_back({LineEnd::How::no_response, flight.transaction, flight.due});
-      expired_.push_back(
-          {flight.identifier, flight.transaction->address, flight.transaction->unit});
-      if (expired_.size() > kMostExpired) {
-        expired_.pop_front();
-      }
     }
   }
   std::erase_if(flights_, [now](const Flight& flight) { return now >= flight.response_deadline; });

@@ -22,8 +22,8 @@
 
 namespace mbgate::bus {
 
-/// Transactions that timed out and whose late answers are still recognised.
-inline constexpr std::size_t kMostExpired = 64;
+/// Transactions whose late answers are still recognised.
+inline constexpr std::size_t kMostAsked = 64;
 
 class TcpDiscipline {
  public:
@@ -89,8 +89,8 @@ class TcpDiscipline {
     Instant due;                ///< the end of the response timeout
     Instant response_deadline;  ///< the same, or earlier because a stop waits
   };
-  /// One that timed out.
-  struct Expired {
+  /// One that may be answered; without identifiers also one that was, and may be once more.
+  struct Sent {
     std::uint16_t identifier;
     std::uint8_t address;
     std::uint8_t unit;
@@ -125,8 +125,8 @@ class TcpDiscipline {
   Instant quiet_since_;               // the last byte in either direction
   ConnectionUse use_;
   std::deque<LineEnd> ends_;
-  std::deque<Expired> expired_;                  // the newest kMostExpired
-  UnsolicitedFrames<kMostExpired> unsolicited_;  // each of them had expired
+  std::deque<Sent> asked_;  // the newest kMostAsked
+  UnsolicitedFrames<kMostAsked> unsolicited_;
   std::optional<LineFault> fault_;
 };
 

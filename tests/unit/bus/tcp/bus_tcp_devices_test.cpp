@@ -36,7 +36,7 @@ TEST_F(BusTcp, WhoAnswersWhatWasAskedLaterIsNotOffline) {
 }
 
 TEST_F(BusTcp, OfManyThatWereNotAnsweredTheNewestMayStillBe) {
-  constexpr auto kMany = static_cast<unsigned>(bus::kMostExpired) + 1;
+  constexpr auto kMany = static_cast<unsigned>(bus::kMostAsked) + 1;
   auto breaking = tcp();
   breaking.timing.offline_after = kMany;
   breaking.replace_after = 0;
@@ -125,11 +125,11 @@ TEST_F(BusTcp, AGapHoldsBackItsDevice) {
 
 TEST_F(BusTcp, LateAnswersAreKnownByTheIdentifiersOfTheLast64Timeouts) {
   open(tcp());
-  for (std::size_t times = 0; times <= bus::kMostExpired; ++times) {
+  for (std::size_t times = 0; times <= bus::kMostAsked; ++times) {
     submit(job(kRead));
     advance(100ms);
   }
-  ASSERT_THAT(endings_, SizeIs(1 + bus::kMostExpired));
+  ASSERT_THAT(endings_, SizeIs(1 + bus::kMostAsked));
   answer(1, "01 03 02 12 34");
   EXPECT_EQ(bus_->counters().late_responses, 1U);
   answer(0, "01 03 02 12 34");

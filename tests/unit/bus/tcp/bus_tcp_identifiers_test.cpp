@@ -49,6 +49,37 @@ TEST_F(BusTcpWithoutIdentifiers, ADeviceIsLeftAloneUntilItsLateAnswerCannotBeMis
   EXPECT_EQ(hex(jobs_[1].transactions[0].response->bytes()), "03 02 33 33");
 }
 
+// Two drives at one address behind the server.
+TEST_F(BusTcpWithoutIdentifiers, SecondAnswersAreLearnedWhetherSomethingIsAskedOrNot) {
+  open(unchecked());
+  advance(11s);
+  submit(job(kRead));
+  answer("01 03 02 12 34");
+  answer("01 03 02 12 34");
+  EXPECT_THAT(notices_, ElementsAre(bus::DeviceNotice::Kind::second_answer));
+  advance(100ms);
+  submit(job(kRead));
+  answer("01 03 02 12 34");
+  submit(job("06 0001 0001"));
+  EXPECT_THAT(frames_, SizeIs(2));  // held
+  advance(99ms);
+  EXPECT_THAT(frames_, SizeIs(2));
+  advance(1ms);
+  EXPECT_THAT(frames_, SizeIs(3));
+}
+
+TEST_F(BusTcpWithoutIdentifiers, TheSecondAnswerToAnotherRequestIsOneToo) {
+  open(unchecked());
+  advance(11s);
+  submit(job(kRead));
+  answer("01 03 02 12 34");
+  submit(job("06 0001 0001"));
+  answer("01 03 02 12 34");
+  EXPECT_THAT(notices_, ElementsAre(bus::DeviceNotice::Kind::second_answer));
+  answer("01 06 0001 0001");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::answered));
+}
+
 TEST_F(BusTcpWithoutIdentifiers, TheQuarantineEndsAsOnASerialLine) {
   open(unchecked());
   submit(job(kRead));
