@@ -44,15 +44,14 @@ struct DeviceTiming {
   unsigned offline_after = 3;
   /// At most this often, one request is sent to an offline device as a probe.
   Duration probe_interval = std::chrono::seconds(2);
-  /// The response timeout of a probe. Default: the usual one, at most 100 ms.
+  /// The response timeout of a probe, at most half of the usual one. Default: 100 ms.
   std::optional<Duration> probe_timeout{};
 
   [[nodiscard]] Duration quarantine_or_default() const {
     return quarantine.value_or(response_timeout);
   }
   [[nodiscard]] Duration probe_timeout_or_default() const {
-    return probe_timeout.value_or(
-        std::min<Duration>(response_timeout, std::chrono::milliseconds(100)));
+    return std::min(probe_timeout.value_or(std::chrono::milliseconds(100)), response_timeout / 2);
   }
 };
 

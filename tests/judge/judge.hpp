@@ -5,7 +5,6 @@
 #pragma once
 
 #include <map>
-#include <set>
 
 #include "world/world.hpp"
 
@@ -88,8 +87,6 @@ class Judge : public Witness {
     unsigned ended = 0;   ///< waits, by a frame that did not fit
     unsigned waited = 0;  ///< for the whole timeout all the same
   };
-  [[nodiscard]] bool is_beyond_its_tail(const Came& came) const;
-  void note_slip(const Came& came);
   void note_share(const Asked& asked);
   void check_shares();
 
@@ -136,9 +133,6 @@ class Judge : public Witness {
   std::map<std::pair<unsigned, std::size_t>, std::map<Id, bool>> askers_;
   std::map<std::size_t, std::map<unsigned, unsigned>> wrote_;  ///< process by station and host
   bool has_broadcast_ = false;
-  /// Stations of which an answer later than ever has taken the place of another, and so on.
-  std::set<std::size_t> slipped_;
-  std::map<std::size_t, Instant> came_at_;   ///< by station: its last answer
   std::map<std::size_t, Share> shares_;      ///< by bus
   std::unordered_map<Id, Instant> misfits_;  ///< by transmission
 };

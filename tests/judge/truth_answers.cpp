@@ -230,20 +230,6 @@ bool Judge::is_echo_unknown(const Asked& asked, const Came& last) const {
           std::ranges::any_of(ledger_.sent[last.answers].asked, is_behind_echo));
 }
 
-// What is later than ever takes the place of an answer, and this one that of the next; and of the
-// parts of a request any may be wrong.
-bool Judge::is_later_than_ever(const Asked& asked, const Came& last) const {
-  const std::size_t at = *asked.intent.station;
-  const Instant asked_at = asked.sent.empty()
-                               ? oldest_of(asked, plan_.device_of(plan_.stations[at]))
-                               : ledger_.sent[asked.sent.front()].begin;
-  const Instant begun = std::min(asked_at, ledger_.sent[last.answers].begin);
-  return std::ranges::any_of(ledger_.lines[plan_.stations[at].bus].came, [&](const Came& it) {
-    return it.answers != kNone && ledger_.sent[it.answers].station == at && it.at >= begun &&
-           is_beyond_its_tail(it);
-  });
-}
-
 // Some wrong answers nobody can help: until a device has shown how late it can be, or that it
 // answers twice. They are few, and then there are none.
 void Judge::note_wrong(const Asked& asked, const char* kind) {
@@ -270,8 +256,14 @@ void Judge::note_wrong(const Asked& asked, const char* kind) {
   });
   // A stop waits for no answer to the one before: what refuses that may pass for its own.
   const bool is_refusal = asked.intent.kind == Kind::stop && asked.answer[0] >= 0x80;
-  if (!is_special && (is_refusal || is_later_than_ever(asked, *last) || slipped_.contains(at))) {
-    ++report_.apart[is_refusal ? "stale_refusal" : "later_than_ever"];
+  // Nor for what a killed process has asked, or a drive that froze longer than anybody holds it.
+  const bool is_owed = asked.intent.kind == Kind::stop &&
+                       (from.process != ledger_.process ||
+                        std::ranges::any_of(station.drives, [&](std::size_t drive) {
+                          return plan_.drives[drive].habits.freezes;
+                        }));
+  if (!is_special && (is_refusal || is_owed || is_later_than_ever(asked, *last))) {
+    ++report_.apart[is_refusal ? "stale_refusal" : is_owed ? "owed_to_a_stop" : "later_than_ever"];
     return;
   }
   Slips& slips = slips_[at];

@@ -19,33 +19,31 @@ void Judge::came(std::size_t bus) {
   if (came.answers != kNone && came.ends_wait && !came.is_second) {
     misfits_[came.answers] = came.at;
   }
-  if (came.answers != kNone && ledger_.sent[came.answers].station) {
-    note_slip(came);
-  }
 }
 
-// Of an answer to an ordinary register, with the 20 ms for which an adapter may keep it; or later
-// than the next process listens first, if the one that has asked was killed.
-bool Judge::is_beyond_its_tail(const Came& came) const {
-  const Sent& sent = ledger_.sent[came.answers];
-  const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*sent.station]);
-  const auto& listens = plan_.bus(sent.bus).listen_first;
-  const bool was_killed = sent.process != ledger_.process && listens;
-  return came.at > sent.end + timing.response_timeout + timing.response_wait +
-                       quarantine_of(timing) + 20ms ||
-         (was_killed && came.at > ledger_.lines[sent.bus].opened + *listens);
-}
-
-// It ends with an answer to what was sent last, if that comes alone.
-void Judge::note_slip(const Came& came) {
-  const std::size_t at = *ledger_.sent[came.answers].station;
-  const auto& last = ledger_.last_sent[at];
-  if (is_beyond_its_tail(came)) {
-    slipped_.insert(at);
-  } else if (!last.empty() && last.back() == came.answers && came_at_[at] < came.at) {
-    slipped_.erase(at);
-  }
-  came_at_[at] = came.at;
+// Nobody can know whose answer it is that comes later than `quarantine_max`, than the answer to a
+// later request, or than the next process listens first. It takes the place of another one, and
+// this that of the next; of the parts of a request any may be wrong.
+bool Judge::is_later_than_ever(const Asked& asked, const Came& last) const {
+  const std::size_t at = *asked.intent.station;
+  const Station& station = plan_.stations[at];
+  const Instant asked_at = asked.sent.empty() ? oldest_of(asked, plan_.device_of(station))
+                                              : ledger_.sent[asked.sent.front()].begin;
+  const Instant begun = std::min(asked_at, ledger_.sent[last.answers].begin);
+  const LineBook& line = ledger_.lines[station.bus];
+  const auto& listens = plan_.bus(station.bus).listen_first;
+  Id newest = 0;
+  return std::ranges::any_of(line.came, [&](const Came& it) {
+    if (it.answers == kNone || ledger_.sent[it.answers].station != at) {
+      return false;
+    }
+    newest = std::max(newest, it.answers);
+    const Sent& sent = ledger_.sent[it.answers];
+    const bool was_killed = sent.process != ledger_.process && listens;
+    return it.at >= begun &&
+           (it.answers < newest || it.at > sent.begin + plan_.timing_of(station).quarantine_max ||
+            (was_killed && it.at > line.opened + *listens));
+  });
 }
 
 void Judge::note_share(const Asked& asked) {

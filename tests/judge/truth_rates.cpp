@@ -130,15 +130,12 @@ bool RulesJudge::may_not_be_written(const Asked& asked) const {
 }
 
 // There is memory for so many that differ, and a plant that takes none of them.
-bool RulesJudge::are_many_stops_due(std::size_t bus) const {
+bool RulesJudge::are_many_stops_due() const {
   constexpr std::ptrdiff_t kMany = 200;
-  std::ptrdiff_t due = 0;
-  for (std::size_t at = 0; at < plan_.stations.size(); ++at) {
-    due += plan_.stations[at].bus != bus ? 0 : std::ranges::count_if(ledger_.stops[at], [&](Id id) {
-      return ledger_.asked[id].answers == 0;
-    });
-  }
-  return due >= kMany;
+  return kMany <= std::ranges::count_if(ledger_.asked, [this](const Asked& it) {
+           return it.answers == 0 && it.given + 20s > world_.now() &&
+                  (it.intent.kind == Kind::stop || it.intent.kind == Kind::broadcast);
+         });
 }
 
 void RulesJudge::check_busy(const Asked& asked) {
@@ -154,7 +151,7 @@ void RulesJudge::check_busy(const Asked& asked) {
     return;
   }
   if (intent.kind == Kind::stop) {
-    if (asked.sent.empty() && !are_many_stops_due(plan_.stations[*intent.station].bus)) {
+    if (asked.sent.empty() && !are_many_stops_due()) {
       violation("stop_refused", asked);
     }
     return;

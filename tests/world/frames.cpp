@@ -280,8 +280,7 @@ Duration quarantine_of(const drive::DeviceTiming& timing) {
 }
 
 Duration probe_timeout_of(const drive::DeviceTiming& timing) {
-  return timing.probe_timeout ? *timing.probe_timeout
-                              : std::min<Duration>(timing.response_timeout, 100ms);
+  return std::min<Duration>(timing.probe_timeout.value_or(100ms), timing.response_timeout / 2);
 }
 
 }  // namespace mbgate::world

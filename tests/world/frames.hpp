@@ -99,7 +99,7 @@ Duration slack_of(const bus::BusSettings& bus);
 Duration silence_of(const bus::BusSettings& bus);
 /// `quarantine`, or one more response timeout.
 Duration quarantine_of(const drive::DeviceTiming& timing);
-/// `probe_timeout`, or the response timeout, 100 ms at most.
+/// `probe_timeout`, or 100 ms; half of the response timeout at most.
 Duration probe_timeout_of(const drive::DeviceTiming& timing);
 
 }  // namespace mbgate::world

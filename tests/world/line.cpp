@@ -282,19 +282,4 @@ void Line::end_stall() {
   }
 }
 
-void Line::lose_supply(std::size_t number) {
-  const Habits& habits = around_.drives[number].habits;
-  around_.schedule.after(
-      random_.duration(habits.sleeps_every / 4, 2 * habits.sleeps_every), [this, number] {
-        Drive& drive = around_.drives[number];
-        if (is_calm_) {
-          return;
-        }
-        around_.report.fault("without_supply");
-        const Duration longest = drive.habits.sleeps_for;
-        drive.lose_supply(around_.schedule.now() + random_.duration(longest / 10, longest));
-        lose_supply(number);
-      });
-}
-
 }  // namespace mbgate::world

@@ -38,15 +38,36 @@ void Line::ask(Drive& drive, Id id) {
   if (!drive.has_supply(now) || happens(drive.habits.deaf, "deaf")) {
     return;
   }
-  if (drive.habits.service == Duration{0} || is_calm_) {
+  if ((drive.habits.service == Duration{0} && drive.free() <= now) || is_calm_) {
     respond(drive, id);
     return;
   }
-  around_.report.fault("slow_drive");
-  const Duration service = drive.habits.service;
+  around_.report.fault(drive.habits.freezes ? "asked_while_frozen" : "slow_drive");
+  const Duration service = drive.habits.freezes ? drive.habits.quick : drive.habits.service;
   drive.free() =
       std::max(drive.free(), now) + random_.duration(service * 9 / 10, service * 11 / 10);
   around_.schedule.at(drive.free(), [this, &drive, id] { respond(drive, id); });
+}
+
+void Line::lose_supply(std::size_t number) {
+  const Habits& habits = around_.drives[number].habits;
+  around_.schedule.after(
+      random_.duration(habits.sleeps_every / 4, 2 * habits.sleeps_every), [this, number] {
+        Drive& drive = around_.drives[number];
+        if (is_calm_) {
+          return;
+        }
+        const Duration longest = drive.habits.sleeps_for;
+        const Instant until = around_.schedule.now() + random_.duration(longest / 10, longest);
+        if (drive.habits.freezes) {
+          around_.report.fault("frozen");
+          drive.free() = std::max(drive.free(), until);
+        } else {
+          around_.report.fault("without_supply");
+          drive.lose_supply(until);
+        }
+        lose_supply(number);
+      });
 }
 
 void Line::respond(Drive& drive, Id id) {

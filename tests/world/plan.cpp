@@ -224,6 +224,10 @@ void Draw::be_special(Habits& habits, const drive::DeviceTiming& timing) {
   } else if (kind < 40) {
     habits.sleeps_every = random_.duration(1s, 20s);
     habits.sleeps_for = random_.duration(100ms, 10s);
+  } else if (kind < 50) {
+    habits.sleeps_every = random_.duration(1s, 20s);
+    habits.sleeps_for = random_.duration(100ms, timing.quarantine_max * 9 / 10);
+    habits.freezes = true;
   }
 }
 

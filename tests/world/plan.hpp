@@ -40,6 +40,7 @@ struct Habits {
   bool dead = false;           ///< it has no supply
   Duration sleeps_every{0};    ///< it is without supply for `sleeps_for` at most; 0: never
   Duration sleeps_for{0};
+  bool freezes = false;  ///< with its supply: afterwards it answers what it was asked meanwhile
 };
 
 /// A drive at a place.

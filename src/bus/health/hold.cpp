@@ -29,6 +29,11 @@ bool fits(const modbus::Request& asked, modbus::Bytes response) {
   return is_fitting(modbus::check_response(asked, response));
 }
 
+// The oldest that it fits.
+auto find(auto& unanswered, modbus::Bytes response) {
+  return std::ranges::find_if(unanswered, [&](const auto& it) { return fits(it.asked, response); });
+}
+
 }  // namespace
 
 void Hold::add(const Sent& sent, bool is_unreadable) {
@@ -41,11 +46,6 @@ void Hold::add(const Sent& sent, bool is_unreadable) {
   unanswered_.back().suspected = std::exchange(suspected_, Duration{0});
 }
 
-std::vector<Hold::Unanswered>::iterator Hold::find(modbus::Bytes response) {
-  return std::ranges::find_if(unanswered_,
-                              [&](const Unanswered& it) { return fits(it.asked, response); });
-}
-
 void Hold::note_answered(const Sent& sent, modbus::Bytes response, Duration took, Instant now,
                          const Timing& timing) {
   settle(now, timing);
@@ -56,7 +56,7 @@ void Hold::note_answered(const Sent& sent, modbus::Bytes response, Duration took
     rests_until_ = Instant::min();
   }
   const Instant oldest = oldest_unanswered(sent.sent);
-  const auto earlier = find(response);
+  const auto earlier = find(unanswered_, response);
   // A device that answers this one at once, and nothing else, has no queue: it owes no more than
   // before.
   const bool had_its_time = sent.is_probe || (held_until_ && !unanswered_.empty() &&
@@ -71,6 +71,7 @@ void Hold::note_answered(const Sent& sent, modbus::Bytes response, Duration took
     suspected_ = std::max(suspected_, suspected);
     add(sent, false);
     unanswered_.back().was_replaced = true;
+    is_doubtful_ = is_doubtful_ || sent.is_probe;
   }
   pending_.reset();
   suspected_ = Duration{0};
@@ -113,15 +114,8 @@ void Hold::hold_for_rest(Instant oldest_sent, Instant now, const Timing& timing)
   }
 }
 
-bool Hold::note_asked(const modbus::Request* asked, Instant now, const Timing& timing,
-                      bool forgets) {
+bool Hold::note_asked(const modbus::Request* asked, Instant now, const Timing& timing) {
   settle(now, timing);
-  const bool is_held = held_until_ && now < *held_until_;
-  if (forgets && asked != nullptr && !is_held) {
-    std::erase_if(unanswered_, [&](const Unanswered& it) {
-      return it.is_over && it.asked.pdu() == asked->pdu();
-    });
-  }
   const bool is_in_doubt = is_doubtful_ && !unanswered_.empty();
   is_decisive_ = is_in_doubt && asked != nullptr && asked->is_read();
   is_doubtful_ = is_in_doubt && !is_decisive_;
@@ -181,7 +175,7 @@ void Hold::note_written(const modbus::Request& write, bool is_stop) {
 std::optional<Hold::Late> Hold::note_late(modbus::Bytes response, Instant came,
                                           const Timing& timing, bool was_offline) {
   settle(came, timing, true);  // it may have come a while ago, when the device was held
-  const auto found = find(response);
+  const auto found = find(unanswered_, response);
   if (found == unanswered_.end()) {
     return std::nullopt;
   }
@@ -278,11 +272,13 @@ Instant Hold::end_of_tails(const Timing& timing, Predicate holds) const {
 }
 
 Instant Hold::until(const modbus::Request& next, const Timing& timing) const {
-  const bool is_decisive = is_doubtful_ && next.is_read();
+  if (is_doubtful_ && next.is_read()) {
+    return std::max(end_of_seconds(timing), until_again(timing));
+  }
   const bool is_fast = !unanswered_.empty() && heard_at_ > unanswered_.back().sent &&
                        pace_.longest_answer() * kFastPart < timing.response_timeout;
   const auto is_same = [&](const Unanswered& it) { return it.asked.function() == next.function(); };
-  if (is_decisive || (is_fast && std::ranges::none_of(unanswered_, is_same))) {
+  if (is_fast && std::ranges::none_of(unanswered_, is_same)) {
     return end_of_seconds(timing);
   }
   return end_of_tails(timing,

@@ -49,7 +49,7 @@ class Hold {
     Instant due;
     bool is_retry = false;
     bool may_be_answered = false;  ///< what came may be its answer, or its echo
-    bool is_probe = false;         ///< its response timeout is short
+    bool is_probe = false;         ///< the device was offline, or owed nobody knew what
   };
   /// No answer came to it.
   void note_unanswered(const Sent& sent) { add(sent, false); }
@@ -63,9 +63,8 @@ class Hold {
   void note_answered(const Sent& sent, modbus::Bytes response, Duration took, Instant now,
                      const Timing& timing);
   /// A request is sent to the device, and is open from now on; nullptr: nothing ever answers it.
-  /// `forgets`: an offline device may have lost the same request that it was sent before. Returns
-  /// whether an answer within a probe's time will show that the device owes nothing else.
-  bool note_asked(const modbus::Request* asked, Instant now, const Timing& timing, bool forgets);
+  /// Returns whether an answer within a probe's time will show that the device owes nothing else.
+  bool note_asked(const modbus::Request* asked, Instant now, const Timing& timing);
   /// A write is sent to the device. From now on the answer to another one, sent before it, no
   /// longer proves that that one, sent once more, was carried out. After a stop this is so only for
   /// writes whose answer looks like its own.
@@ -78,7 +77,7 @@ class Hold {
   };
   /// An unexpected frame of the device has come: the answer to the oldest unanswered transmission
   /// that it fits. Nothing if there is none. If the device was offline and was probed just then, it
-  /// may be the answer to the probe. The next read shows that, and need not wait for what is owed.
+  /// may be the answer to the probe. The next read shows that, once the device is silent.
   std::optional<Late> note_late(modbus::Bytes response, Instant came, const Timing& timing,
                                 bool was_offline);
   /// Such a frame, which is no late answer, is a second answer to a request that was answered less
@@ -95,6 +94,10 @@ class Hold {
   /// The earliest instant at which this request may be sent to the device. A stop, and the same
   /// read once more, need not wait.
   [[nodiscard]] Instant until(const modbus::Request& next, const Timing& timing) const;
+  /// The same for that read once more.
+  [[nodiscard]] Instant until_again(const Timing& timing) const {
+    return is_doubtful_ ? heard_at_ + timing.probe_timeout_or_default() : Instant::min();
+  }
   /// The instant from which on any request may be sent.
   [[nodiscard]] Instant until(const Timing& timing) const;
   /// The end of the tail of a transmission that was due then.
@@ -123,7 +126,6 @@ class Hold {
   };
 
   void add(const Sent& sent, bool is_unreadable);
-  [[nodiscard]] std::vector<Unanswered>::iterator find(modbus::Bytes response);
   void close(std::vector<Unanswered>::iterator answered, Instant now, const Timing& timing);
   void settle(Instant now, const Timing& timing, bool was_held = false);
   void note_tail(const Unanswered& ended, bool was_answered, Instant now, const Timing& timing);

@@ -27,6 +27,30 @@ TEST_F(BusOffline, OneResponseBringsItBack) {
   EXPECT_THAT(endings_, SizeIs(2));
 }
 
+// It did not lose its supply, but did something else meanwhile. It answers in order, and quickly.
+TEST_F(BusOffline, ADeviceThatWorksOffWhatItWasAskedGetsNothingUntilItIsSilent) {
+  open(breaking());
+  lose_device();
+  advance(2s);
+  submit(job("03 0000 0001"));
+  advance(20ms);
+  line(kAnswer);  // to the first of four
+  advance(35ms);
+  submit(job("03 0010 0001"));
+  EXPECT_THAT(frames_, SizeIs(1));
+  advance(10ms);
+  for (int more = 0; more < 3; ++more) {
+    line(kAnswer);
+    advance(45ms);
+  }
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  advance(50ms);
+  EXPECT_THAT(frames_, SizeIs(2));
+  advance(20ms);
+  line(kAnswer);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
+}
+
 TEST_F(BusOffline, AProbeWithALateAnswerIsRepeatedOnceForAShortTime) {
   auto retrying = breaking();
   open(retrying);
