@@ -263,26 +263,28 @@ Instant Hold::until(const Timing& timing) const {
 }
 
 template <typename Predicate>
-Instant Hold::end_of_tails(const Timing& timing, Predicate holds) const {
-  Instant until = std::max(held_until_.value_or(Instant::min()), rests_until_);
+Instant Hold::end_of_tails(const Timing& timing, Predicate holds, bool decides) const {
+  const Instant held = std::max(held_until_.value_or(Instant::min()), rests_until_);
+  Instant until = std::max(decides ? until_again(timing) : held, end_of_seconds(timing));
   for (const Unanswered& it : unanswered_) {
     until = holds(it) ? std::max(until, end_of_tail(it, timing)) : until;
   }
-  return std::max(until, end_of_seconds(timing));
+  return until;
 }
 
 Instant Hold::until(const modbus::Request& next, const Timing& timing) const {
-  if (is_doubtful_ && next.is_read()) {
-    return std::max(end_of_seconds(timing), until_again(timing));
-  }
   const bool is_fast = !unanswered_.empty() && heard_at_ > unanswered_.back().sent &&
                        pace_.longest_answer() * kFastPart < timing.response_timeout;
   const auto is_same = [&](const Unanswered& it) { return it.asked.function() == next.function(); };
-  if (is_fast && std::ranges::none_of(unanswered_, is_same)) {
+  const bool decides = is_doubtful_ && next.is_read();
+  if (!decides && is_fast && std::ranges::none_of(unanswered_, is_same)) {
     return end_of_seconds(timing);
   }
-  return end_of_tails(timing,
-                      [&](const Unanswered& it) { return !it.may_be_answered || is_same(it); });
+  const auto holds = [&](const Unanswered& it) {
+    return decides ? is_same(it) && it.asked.pdu() != next.pdu()
+                   : !it.may_be_answered || is_same(it);
+  };
+  return end_of_tails(timing, holds, decides);
 }
 
 Duration Hold::tail(Instant now, const Timing& timing) const {

@@ -135,7 +135,8 @@ class Hold {
     return it.is_unreadable ? it.due : end_of_tail(it.due, timing);
   }
   template <typename Predicate>
-  [[nodiscard]] Instant end_of_tails(const Timing& timing, Predicate holds) const;
+  [[nodiscard]] Instant end_of_tails(const Timing& timing, Predicate holds,
+                                     bool decides = false) const;
   [[nodiscard]] Instant end_of_seconds(const Timing& timing) const;
 
   std::vector<Unanswered> unanswered_;      // oldest first, without the one on the wire

@@ -51,6 +51,22 @@ TEST_F(BusOffline, ADeviceThatWorksOffWhatItWasAskedGetsNothingUntilItIsSilent) 
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
 }
 
+// It would not show whose answer comes: to what was asked just before, or to this.
+TEST_F(BusOffline, AReadOfOtherRegistersWaitsUntilTheProbeCannotBeAnswered) {
+  open(breaking());
+  lose_device();
+  advance(2s);
+  submit(job("03 0000 0001"));
+  advance(20ms);
+  line(kAnswer);
+  advance(35ms);
+  submit(job("03 0010 0001"));
+  advance(160ms);  // the response timeout and the quarantine are 100 ms, and an adapter keeps 20 ms
+  EXPECT_THAT(frames_, SizeIs(1));
+  advance(20ms);
+  EXPECT_THAT(frames_, SizeIs(2));
+}
+
 TEST_F(BusOffline, AProbeWithALateAnswerIsRepeatedOnceForAShortTime) {
   auto retrying = breaking();
   open(retrying);
