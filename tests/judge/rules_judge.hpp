@@ -62,7 +62,6 @@ class RulesJudge : public Witness {
   void check_busy(const Asked& asked);
   void check_refused_writes();
   std::set<Id> refused_behind_;  ///< transmissions: writes were refused since, for no known reason
-  [[nodiscard]] bool are_many_stops_due() const;
   [[nodiscard]] Instant ended(const Asked& asked) const;
   [[nodiscard]] bool may_be_over(const Asked& asked) const;
   [[nodiscard]] bool may_be_full(const Asked& asked) const;

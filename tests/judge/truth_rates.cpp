@@ -129,15 +129,6 @@ bool RulesJudge::may_not_be_written(const Asked& asked) const {
   return !was_well || was_stopped || was_called || is_old;
 }
 
-// There is memory for so many that differ, and a plant that takes none of them.
-bool RulesJudge::are_many_stops_due() const {
-  constexpr std::ptrdiff_t kMany = 200;
-  return kMany <= std::ranges::count_if(ledger_.asked, [this](const Asked& it) {
-           return it.answers == 0 && it.given + 20s > world_.now() &&
-                  (it.intent.kind == Kind::stop || it.intent.kind == Kind::broadcast);
-         });
-}
-
 void RulesJudge::check_busy(const Asked& asked) {
   auto& recent = recent_[connection_of(asked).host];
   while (!recent.empty() && ended(ledger_.asked[recent.front()]) + 2s < world_.now()) {
@@ -150,8 +141,11 @@ void RulesJudge::check_busy(const Asked& asked) {
       ledger_.stopping != kNever || asked.written <= ledger_.reloaded + kUsual) {
     return;
   }
-  if (intent.kind == Kind::stop) {
-    if (asked.sent.empty() && !are_many_stops_due()) {
+  if (intent.kind == Kind::stop) {  // there is memory for so many that differ
+    constexpr std::ptrdiff_t kMany = 200;
+    const auto is_due = [this](Id id) { return ledger_.asked[id].answers == 0; };
+    if (asked.sent.empty() &&
+        std::ranges::count_if(ledger_.stops[*intent.station], is_due) < kMany) {
       violation("stop_refused", asked);
     }
     return;

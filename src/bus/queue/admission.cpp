@@ -148,7 +148,7 @@ bool Admission::push_stop(Job& job) {
     }
     return has_room;
   }
-  if (!parts_.stops.has_room()) {
+  if (!parts_.stops.has_room(job.address())) {
     return false;
   }
   parts_.stops.push(parts_.transmissions.lead(job));

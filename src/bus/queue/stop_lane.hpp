@@ -13,13 +13,17 @@
 
 namespace mbgate::bus {
 
-/// The most stops that may wait, in addition to the limit of the queue. Identical ones share a
-/// place; this is also the most that may share one.
+/// The most stops to one address that may wait, in addition to the limit of the queue. Identical
+/// ones share a place; this is also the most that may share one.
 inline constexpr std::size_t kRoomForStops = 256;
 
 class StopLane {
  public:
-  [[nodiscard]] bool has_room() const { return size() < kRoomForStops; }
+  [[nodiscard]] bool has_room(std::uint8_t address) {
+    std::size_t stops = 0;
+    visit([&](const Transmission& it) { stops += it.leader->address() == address ? 1U : 0U; });
+    return stops < kRoomForStops;
+  }
   /// Behind the others.
   void push(Transmission& stop) { stops_.push_back(stop); }
   /// Before those that were accepted later and were not tried yet.

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stops that their drive answers with an exception.
+#include <fmt/format.h>
+
 #include "unit/bus/bus_rig.hpp"
 
 namespace mbgate::test::bus_refused_stops_test {
@@ -127,6 +129,21 @@ TEST_F(BusRefusedStops, AreJoinedByNoMoreThanThereIsRoomFor) {
   advance(150ms);
   line(kStopFrame);
   EXPECT_EQ(std::ranges::count(endings_, Ending::answered), 1 + bus::kRoomForStops);
+}
+
+TEST_F(BusRefusedStops, HaveRoomBesideManyDifferentOnesToAnotherDevice) {
+  std::vector<drive::Device> devices{axis(), axis()};
+  devices[1].address = 2;
+  devices[0].profile.stops =
+      devices[1].profile.stops = {{.address = 0x007C, .mask = 0xF000, .value = 0x5000}};
+  open(settings(), devices);
+  const auto stop = [](std::size_t word) { return fmt::format("06 007C {:04X}", 0x5000 + word); };
+  for (std::size_t word = 0; word <= bus::kRoomForStops; ++word) {
+    EXPECT_TRUE(bus_->submit(job(stop(word)), now_));
+    drain();
+  }
+  EXPECT_FALSE(bus_->submit(job(stop(bus::kRoomForStops + 1)), now_));
+  EXPECT_TRUE(bus_->submit(job(stop(0), 2), now_));
 }
 
 TEST_F(BusRefusedStops, AreSentOnTheNextLineIfTheirsIsLostWhileTheyRest) {
