@@ -149,7 +149,6 @@ void Dispatch::wait_for_line(Instant now) {
   }
 }
 
-// Of what is neither in the queue nor on the wire, whatever keeps it waiting.
 void Dispatch::watch_deadlines(Instant now) {
   timers_.set(Timer::resting_stop, parts_.stops.next_wake());
   parts_.stops.visit([&](const Transmission& stop) {
@@ -158,12 +157,12 @@ void Dispatch::watch_deadlines(Instant now) {
     }
   });
   for (const Transmission* running : parts_.transmissions.running()) {
-    if (running->in_flight || running->is_stop() || running->outlives_deadline()) {
+    if (running->in_flight || running->is_stop()) {
       continue;
     }
-    timers_.set(Timer::running_deadline, running->leader->deadline);
+    timers_.set(Timer::running_deadline, running->ends_at(*running->leader));
     for (const Job* follower : running->followers) {
-      timers_.set(Timer::running_deadline, follower->deadline);
+      timers_.set(Timer::running_deadline, running->ends_at(*follower));
     }
   }
 }

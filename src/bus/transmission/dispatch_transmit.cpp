@@ -26,7 +26,7 @@ void Dispatch::check_allowed(const Transmission& transmission, Instant now) cons
                 "no more is on the wire than there is room for");
   MBGATE_ASSERT(is_stop || !job.abandoned, "nothing is transmitted for a client that has gone");
   MBGATE_ASSERT(is_stop || !job.overtaken, "no write is transmitted behind its stop");
-  MBGATE_ASSERT(is_stop || now < job.deadline || transmission.outlives_deadline(),
+  MBGATE_ASSERT(is_stop || now < transmission.ends_at(job),
                 "nothing is begun, nor repeated, after its deadline");
   MBGATE_ASSERT(is_stop || ready_at(parts_, job).at <= now,
                 "nothing is transmitted before its silence, nor to a device that owes an answer");

@@ -83,8 +83,7 @@ std::optional<Ending> JobEnds::over(const Job& job, const Transmission& running,
   if (!job.is_broadcast() && parts_.devices[job.address()].health.is_offline()) {
     return Ending::offline;
   }
-  return now >= job.deadline && !running.outlives_deadline() ? std::optional(Ending::expired)
-                                                             : std::nullopt;
+  return now >= running.ends_at(job) ? std::optional(Ending::expired) : std::nullopt;
 }
 
 void JobEnds::drop_followers(Transmission& transmission, Instant now) {

@@ -42,12 +42,16 @@ struct Transmission {
   [[nodiscard]] bool is_between_tries() const {
     return tries > 0 && !in_flight && leader->transactions.size() == 1;
   }
-  /// A request of which a part was done is finished whatever its deadline is, but no part of it is
-  /// repeated after that. The forms of a broadcast are no parts, nor are checks (must_hold).
-  [[nodiscard]] bool outlives_deadline() const {
+  /// From then on nothing is sent for this job, which leads or follows. If a part of it was done,
+  /// it may be finished after its deadline, a read within five seconds, but nothing is repeated.
+  /// The forms of a broadcast are no parts, nor are checks (must_hold).
+  [[nodiscard]] Instant ends_at(const Job& job) const {
     const auto is_part = [](const Transaction& it) { return it.must_hold == nullptr; };
-    return tries == 0 && !leader->is_broadcast() &&
-           std::ranges::any_of(std::span(leader->transactions).first(leader->current), is_part);
+    const bool is_begun =
+        tries == 0 && !leader->is_broadcast() &&
+        std::ranges::any_of(std::span(leader->transactions).first(leader->current), is_part);
+    constexpr auto kToFinish = std::chrono::seconds(5);
+    return !is_begun ? job.deadline : job.is_read() ? job.deadline + kToFinish : Instant::max();
   }
 };
 

@@ -211,39 +211,6 @@ TEST_F(Bus, NoRetryBeginsAfterTheDeadline) {
   EXPECT_TRUE(read.was_on_wire);
 }
 
-TEST_F(Bus, ARunOfWhichAPartWasDoneIsFinishedAfterItsDeadline) {
-  open(settings());
-  bus::Job& run = job("06 0000 0001");
-  add(run, "06 0001 0001");
-  add(run, "06 0002 0001");
-  run.deadline = now_ + 15ms;
-  submit(run);
-  for (std::size_t part = 1; part <= 3; ++part) {
-    ASSERT_THAT(frames_, SizeIs(part));
-    advance(20ms);
-    line(frames_.back());
-    advance(kT35);
-  }
-  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
-  EXPECT_EQ(bus_->counters().expired, 0U);
-}
-
-TEST_F(Bus, NoPartOfARunIsRepeatedAfterItsDeadline) {
-  auto retrying = settings();
-  retrying.timing.retries = 5;
-  open(retrying);
-  bus::Job& run = job(kRead);
-  add(run, "03 0001 0001");
-  run.deadline = now_ + 150ms;
-  submit(run);
-  advance(10ms);
-  line(kAnswer);
-  advance(10s);
-  EXPECT_THAT(frames_, SizeIs(3));  // both parts, and one of them again
-  EXPECT_THAT(endings_, ElementsAre(Ending::expired));
-  EXPECT_EQ(bus_->counters().expired, 1U);
-}
-
 // The check is the gateway's own; of what the client has asked for, nothing has begun.
 TEST_F(Bus, AWriteDoesNotFollowItsCheckAfterItsDeadline) {
   const std::vector<std::uint16_t> stated{0x1234};
