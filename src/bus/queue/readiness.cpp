@@ -72,9 +72,8 @@ Duration time_before_stop(const Parts& parts, const Transaction& sent) {
 }
 
 bool is_given_up(const Parts& parts, const Transmission& stop) {
-  const DeviceEntry& entry = parts.devices[stop.leader->address()];
-  return !stop.leader->is_broadcast() && stop.tries == 0 && entry.stops_given_up &&
-         entry.health.is_offline();
+  return !stop.leader->is_broadcast() && stop.tries == 0 &&
+         parts.devices[stop.leader->address()].stops_given_up;
 }
 
 Instant held_until(const Parts& parts, const Transmission& stop) {
