@@ -256,14 +256,8 @@ void Judge::note_wrong(const Asked& asked, const char* kind) {
   });
   // A stop waits for no answer to the one before: what refuses that may pass for its own.
   const bool is_refusal = asked.intent.kind == Kind::stop && asked.answer[0] >= 0x80;
-  // Nor for what a killed process has asked, or a drive that froze longer than anybody holds it.
-  const bool is_owed = asked.intent.kind == Kind::stop &&
-                       (from.process != ledger_.process ||
-                        std::ranges::any_of(station.drives, [&](std::size_t drive) {
-                          return plan_.drives[drive].habits.freezes;
-                        }));
-  if (!is_special && (is_refusal || is_owed || is_later_than_ever(asked, *last))) {
-    ++report_.apart[is_refusal ? "stale_refusal" : is_owed ? "owed_to_a_stop" : "later_than_ever"];
+  if (!is_special && (is_refusal || is_later_than_ever(asked, *last))) {
+    ++report_.apart[is_refusal ? "stale_refusal" : "later_than_ever"];
     return;
   }
   Slips& slips = slips_[at];

@@ -23,15 +23,20 @@ void Judge::came(std::size_t bus) {
 
 // Nobody can know whose answer it is that comes later than `quarantine_max`, than the answer to a
 // later request, or than the next process listens first. It takes the place of another one, and
-// this that of the next; of the parts of a request any may be wrong.
+// this that of the next; of the parts of a request any may be wrong. A stop waits for none of them.
 bool Judge::is_later_than_ever(const Asked& asked, const Came& last) const {
   const std::size_t at = *asked.intent.station;
   const Station& station = plan_.stations[at];
+  const drive::DeviceTiming& timing = plan_.timing_of(station);
   const Instant asked_at = asked.sent.empty() ? oldest_of(asked, plan_.device_of(station))
                                               : ledger_.sent[asked.sent.front()].begin;
   const Instant begun = std::min(asked_at, ledger_.sent[last.answers].begin);
   const LineBook& line = ledger_.lines[station.bus];
-  const auto& listens = plan_.bus(station.bus).listen_first;
+  const Duration tail = timing.response_timeout + quarantine_of(timing);
+  const bool is_stop = asked.intent.kind == Kind::stop;
+  const Duration most = is_stop ? tail + timing.response_wait + 20ms : timing.quarantine_max;
+  const Instant heard =
+      line.opened + (is_stop ? 0ms : plan_.bus(station.bus).listen_first.value_or(tail));
   Id newest = 0;
   return std::ranges::any_of(line.came, [&](const Came& it) {
     if (it.answers == kNone || ledger_.sent[it.answers].station != at) {
@@ -39,10 +44,8 @@ bool Judge::is_later_than_ever(const Asked& asked, const Came& last) const {
     }
     newest = std::max(newest, it.answers);
     const Sent& sent = ledger_.sent[it.answers];
-    const bool was_killed = sent.process != ledger_.process && listens;
-    return it.at >= begun &&
-           (it.answers < newest || it.at > sent.begin + plan_.timing_of(station).quarantine_max ||
-            (was_killed && it.at > line.opened + *listens));
+    return it.at >= begun && (it.answers < newest || (!it.was_held && it.at > sent.begin + most) ||
+                              (sent.process != ledger_.process && it.at > heard));
   });
 }
 

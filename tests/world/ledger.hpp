@@ -133,6 +133,7 @@ struct Came {
   bool fits = false;       ///< it is what was asked for
   bool is_second = false;  ///< it was said before
   bool ends_wait = false;  ///< it does not fit, and is the drive's: a misfit, or a bad CRC
+  bool was_held = false;   ///< by a device server, until somebody connected
   std::size_t bytes = 0;
 };
 

@@ -43,6 +43,11 @@ void Line::open() {
   is_open_ = true;
   constexpr unsigned kGoesOn = 200;  // permille
   is_deaf_ = is_deaf_ && random_.chance(kGoesOn);
+  for (auto& [bytes, came] : std::exchange(held_, {})) {
+    around_.report.fault("held_by_server");
+    came.was_held = true;
+    hand_in(bytes, came);
+  }
 }
 
 void Line::close() {
@@ -189,12 +194,17 @@ void Line::hear(std::uint64_t number, std::size_t until) {
   if (until == talk.bytes.size()) {
     talks_.erase(found);
   }
-  if (!is_open_ || is_deaf_) {
-    return;
-  }
   came.said = around_.schedule.now();
-  came.at = arrival(came.said);
   came.bytes = bytes.size();
+  if (is_open_ && !is_deaf_) {
+    hand_in(bytes, came);
+  } else if (!is_open_ && !is_calm_ && around_.plan.bus(bus_).line.remote) {
+    held_.emplace_back(bytes, came);
+  }
+}
+
+void Line::hand_in(const Octets& bytes, Came came) {
+  came.at = arrival(around_.schedule.now());
   around_.schedule.at(came.at, [this, epoch = epoch_, bytes, came] {
     if (epoch == epoch_) {
       around_.deliver(bus_, bytes, came);

@@ -58,6 +58,7 @@ class Line {
   void begin_talk(std::uint64_t number);
   void hear(std::uint64_t number, std::size_t until);
   void garble(Talk& talk);
+  void hand_in(const Octets& bytes, Came came);
   [[nodiscard]] Instant arrival(Instant now);
   [[nodiscard]] Octets encode(std::uint8_t address, Bytes pdu) const;
   [[nodiscard]] bool happens(unsigned permille, const char* kind);
@@ -79,6 +80,7 @@ class Line {
   std::uint64_t echo_ = 0;                      ///< of what is being sent, if the line has one
   std::map<std::size_t, Instant> talks_until_;  ///< by drive
   std::vector<Frame> kept_;                     ///< by an adapter that stalls
+  std::vector<std::pair<Octets, Came>> held_;   ///< by a device server that nobody is connected to
   bool stalls_ = false;
   std::uint64_t epoch_ = 0;
   bool is_open_ = false;

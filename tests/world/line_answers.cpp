@@ -43,9 +43,10 @@ void Line::ask(Drive& drive, Id id) {
     return;
   }
   around_.report.fault(drive.habits.freezes ? "asked_while_frozen" : "slow_drive");
-  const Duration service = drive.habits.freezes ? drive.habits.quick : drive.habits.service;
-  drive.free() =
-      std::max(drive.free(), now) + random_.duration(service * 9 / 10, service * 11 / 10);
+  const Duration service = drive.habits.service;
+  drive.free() = std::max(drive.free(), now) +
+                 (drive.habits.freezes ? random_.duration(0ms, drive.habits.quick)
+                                       : random_.duration(service * 9 / 10, service * 11 / 10));
   around_.schedule.at(drive.free(), [this, &drive, id] { respond(drive, id); });
 }
 
@@ -120,7 +121,9 @@ Instant Line::begin_of(Drive& drive, const Sent& sent) {
   if (happens(drive.habits.very_late, "very_late")) {
     return std::max(now, sent.end + limit + tail + random_.duration(1ms, 2 * limit));
   }
-  Duration wait = kLeast + timing.response_wait + random_.duration(0us, drive.habits.quick);
+  const bool catches_up = drive.habits.freezes && drive.free() >= now;
+  Duration wait = kLeast + timing.response_wait +
+                  (catches_up ? Duration{0} : random_.duration(0us, drive.habits.quick));
   if (sent.reads && sent.reads->first < kSlowEnd &&
       sent.reads->first + sent.reads->count > kSlowFrom) {
     wait += random_.duration(0ms, timing.response_timeout / 2);

@@ -258,7 +258,8 @@ void World::lose(std::size_t bus, bus::Loss loss) {
   }
   state.open = false;
   if (loss == bus::Loss::failed) {
-    state.away_until = schedule_.now() + random_.duration(0ms, 1s);
+    state.away_until =
+        schedule_.now() + random_.duration(0ms, random_.one_of<Duration>({1s, 1s, 15s}));
   }
   losses_[bus] = loss;
   std::visit([](auto& wire) { wire.close(); }, wires_[bus]);
