@@ -59,7 +59,8 @@ void Judge::check_stop_time(Id id) {
 // Where its drive has answered each try with "not now", it was tried often enough.
 void Judge::check_refused_stop(const Asked& asked) {
   if (asked.intent.kind != Kind::stop || asked.sent.empty() || asked.answer[0] < 0x80 ||
-      ledger_.reloaded >= asked.given || ledger_.stopping != kNever) {
+      (kTryAgain >> asked.answer[1] & 1U) == 0 || ledger_.reloaded >= asked.given ||
+      ledger_.stopping != kNever || plan_.has_failsafe(plan_.stations[*asked.intent.station])) {
     return;
   }
   const bool is_refused = std::ranges::all_of(asked.sent, [&](Id id) {
