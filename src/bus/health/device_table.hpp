@@ -42,7 +42,7 @@ struct FailedStop {
 /// The times of one transmission.
 struct TimesInForce {
   drive::DeviceTiming timing;
-  /// The response timeout is shorter by this, because the device is offline.
+  /// The response timeout is shorter by this, because the device may not be there.
   Duration hurried_by{0};
 };
 

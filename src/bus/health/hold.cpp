@@ -265,18 +265,22 @@ Instant Hold::until(const Timing& timing) const {
 template <typename Predicate>
 Instant Hold::end_of_tails(const Timing& timing, Predicate holds, bool decides) const {
   const Instant held = std::max(held_until_.value_or(Instant::min()), rests_until_);
-  Instant until = std::max(decides ? until_again(timing) : held, end_of_seconds(timing));
+  const Instant silent = heard_at_ + timing.probe_timeout_or_default();
+  Instant until = std::max(decides ? silent : held, end_of_seconds(timing));
   for (const Unanswered& it : unanswered_) {
     until = holds(it) ? std::max(until, end_of_tail(it, timing)) : until;
   }
   return until;
 }
 
-Instant Hold::until(const modbus::Request& next, const Timing& timing) const {
+Instant Hold::until(const modbus::Request& next, const Timing& timing, bool repeats) const {
   const bool is_fast = !unanswered_.empty() && heard_at_ > unanswered_.back().sent &&
                        pace_.longest_answer() * kFastPart < timing.response_timeout;
   const auto is_same = [&](const Unanswered& it) { return it.asked.function() == next.function(); };
   const bool decides = is_doubtful_ && next.is_read();
+  if (repeats && !decides) {
+    return Instant::min();
+  }
   if (!decides && is_fast && std::ranges::none_of(unanswered_, is_same)) {
     return end_of_seconds(timing);
   }

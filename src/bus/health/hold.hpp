@@ -49,7 +49,7 @@ class Hold {
     Instant due;
     bool is_retry = false;
     bool may_be_answered = false;  ///< what came may be its answer, or its echo
-    bool is_probe = false;         ///< the device was offline, or owed nobody knew what
+    bool is_probe = false;         ///< the device was offline, or it was not known what it owed
   };
   /// No answer came to it.
   void note_unanswered(const Sent& sent) { add(sent, false); }
@@ -91,13 +91,10 @@ class Hold {
   /// were sent at `first_sent` or later are its own earlier tries.
   [[nodiscard]] OwedAnswers owed(const modbus::Request& next, Instant first_sent, Instant now,
                                  const Timing& timing) const;
-  /// The earliest instant at which this request may be sent to the device. A stop, and the same
-  /// read once more, need not wait.
-  [[nodiscard]] Instant until(const modbus::Request& next, const Timing& timing) const;
-  /// The same for that read once more.
-  [[nodiscard]] Instant until_again(const Timing& timing) const {
-    return is_doubtful_ ? heard_at_ + timing.probe_timeout_or_default() : Instant::min();
-  }
+  /// The earliest instant at which this request may be sent to the device. A stop need not wait,
+  /// nor does the same read once more (`repeats`), unless it shall show what the device owes.
+  [[nodiscard]] Instant until(const modbus::Request& next, const Timing& timing,
+                              bool repeats) const;
   /// The instant from which on any request may be sent.
   [[nodiscard]] Instant until(const Timing& timing) const;
   /// The end of the tail of a transmission that was due then.

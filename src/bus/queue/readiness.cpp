@@ -19,11 +19,9 @@ Instant held_until(const Parts& parts, const Job& job) {
       entry.is_silent() && !transaction.is_broadcast()
           ? std::max(entry.free_at, parts.payback.until(transaction.address, recently))
           : entry.free_at;
-  if (!parts.quarantines()) {
-    return free;
-  }
-  return std::max(free, repeats_read ? entry.hold.until_again(entry.in_force())
-                                     : entry.hold.until(transaction.request, entry.in_force()));
+  return parts.quarantines()
+             ? std::max(free, entry.hold.until(transaction.request, entry.in_force(), repeats_read))
+             : free;
 }
 
 bool is_held_back(const Parts& parts, const Job& job, Instant now) {

@@ -27,7 +27,7 @@ namespace mbgate::bus {
 /// How long what was sent has for its answer before a stop cuts it off, from when it has left. A
 /// stop into an answer that is on its way is a stop lost, so the device has the time that it needs.
 [[nodiscard]] Duration time_before_stop(const Parts& parts, const Transaction& sent);
-/// Is the device of the stop offline, with an earlier stop and all its repetitions unanswered?
+/// Were an earlier stop to its device and all its repetitions unanswered, and nothing heard since?
 [[nodiscard]] bool is_given_up(const Parts& parts, const Transmission& stop);
 /// A stop that was given up waits until then, while lost time is paid back to others.
 [[nodiscard]] Instant held_until(const Parts& parts, const Transmission& stop);

@@ -89,7 +89,7 @@ bool Dispatch::note_asked(const Transmission& transmission, Instant now) {
   if (!is_silent) {
     parts_.adapter.note_request();
   }
-  return is_decisive;
+  return is_decisive && parts_.quarantines();
 }
 
 // Keeps the books of it; returns the times that hold for it.

@@ -79,7 +79,8 @@ void Outcomes::handle_stop_failure(Transmission& stop, Instant now) {
     parts_.stops.push(stop);
     return;
   }
-  entry.stops_given_up = entry.stop_unanswered;
+  entry.stops_given_up =
+      entry.stop_unanswered && entry.health.unanswered_in_row() > entry.in_force().stop_retries;
   give_up_stop(stop, now);
 }
 

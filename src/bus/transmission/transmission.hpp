@@ -26,7 +26,7 @@ struct Transmission {
   bool in_flight = false;   ///< it was transmitted, and has not ended
   bool is_probe = false;    ///< tests whether an offline device answers again
   bool is_one_try = false;  ///< a stop that is not repeated, because an earlier one was given up
-  Duration hurried_by{0};   ///< its wait is shorter by this, because the device is offline
+  Duration hurried_by{0};   ///< its wait is shorter by this, as the device may not be there
   Instant waits_since;      ///< of a stop: accepted then, or repeated
   Instant transmitted_at;   ///< the first time of the current transaction
   Instant last_sent;        ///< the last time of any of its transactions

@@ -183,16 +183,16 @@ void check_quarantine(TomlTable& table, TimingOrigin origin, drive::DeviceTiming
   check_longest_quarantine(table, origin.longest_quarantine, timing);
 }
 
-/// An offline device would be waited for longer than one that answers.
+/// What is longer than half of the response timeout is shortened.
 void check_probe_timeout(TomlTable& table, const drive::DeviceTiming& timing) {
-  if (!timing.probe_timeout || *timing.probe_timeout <= timing.response_timeout) {
+  if (!timing.probe_timeout || *timing.probe_timeout <= timing.response_timeout / 2) {
     return;
   }
   for (const auto* key : {"probe_timeout", "response_timeout"}) {
     if (table.has(key)) {  // otherwise the error was reported at the bus
       table.warning(key,
-                    "probe_timeout ({}) is longer than response_timeout ({}): the gateway would "
-                    "wait longer for an offline device than for one that answers",
+                    "probe_timeout ({}) is longer than half of response_timeout ({}): probes wait "
+                    "for that half",
                     to_text(*timing.probe_timeout), to_text(timing.response_timeout));
       return;
     }

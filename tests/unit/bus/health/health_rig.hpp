@@ -27,7 +27,7 @@ class Health : public testing::Test {
     return *modbus::Request::parse(*modbus::Pdu::from(unhex(pdu)));
   }
   [[nodiscard]] bool may_be_asked(const modbus::Request& asked, bus::Duration time) const {
-    return at(time) >= hold_.until(asked, timing_);
+    return at(time) >= hold_.until(asked, timing_, false);
   }
   /// `asked`, whose response timeout of 100 ms ends at `due`, is not answered in that time. True:
   /// it is offline now.

@@ -116,6 +116,17 @@ TEST_F(BusDeadStops, ToADeadDriveThatWasGivenUpAStopIsTriedOnce) {
   EXPECT_EQ(bus_->counters().probes, 0U);
 }
 
+TEST_F(BusDeadStops, ADriveThatWasHeardInASeriesIsNotGivenUp) {
+  open_axis(settings());
+  for (const std::size_t series : {1U, 2U}) {
+    submit(job(kStop));
+    advance(20ms);
+    line("01 06 00 7C 00 E1 00 00");  // damaged
+    advance(600ms);
+    EXPECT_EQ(stops_sent(), 4 * series);
+  }
+}
+
 TEST_F(BusDeadStops, AndCutsNothingThatRuns) {
   auto slow = breaking();
   slow.timing.response_timeout = 1s;

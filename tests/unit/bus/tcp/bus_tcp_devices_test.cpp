@@ -35,6 +35,23 @@ TEST_F(BusTcp, WhoAnswersWhatWasAskedLaterIsNotOffline) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
 }
 
+// What it owes is told apart by identifiers.
+TEST_F(BusTcp, AReadAfterTheProbeHasTheWholeResponseTimeout) {
+  auto breaking = tcp();
+  breaking.timing.offline_after = 1;
+  breaking.timing.probe_interval = 1s;
+  open(breaking);
+  for (const auto wait : {1100ms, 10ms}) {
+    submit(job(kRead));
+    advance(wait);
+  }
+  answer(1, "01 03 02 12 34");
+  submit(job(kRead));
+  advance(80ms);  // a probe waits for 50 ms
+  answer(2, "01 03 02 12 34");
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered, Ending::answered));
+}
+
 TEST_F(BusTcp, OfManyThatWereNotAnsweredTheNewestMayStillBe) {
   constexpr auto kMany = static_cast<unsigned>(bus::kMostAsked) + 1;
   auto breaking = tcp();
