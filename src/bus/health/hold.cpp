@@ -29,7 +29,6 @@ bool fits(const modbus::Request& asked, modbus::Bytes response) {
   return is_fitting(modbus::check_response(asked, response));
 }
 
-// The oldest that it fits.
 auto find(auto& unanswered, modbus::Bytes response) {
   return std::ranges::find_if(unanswered, [&](const auto& it) { return fits(it.asked, response); });
 }
@@ -71,7 +70,6 @@ void Hold::note_answered(const Sent& sent, modbus::Bytes response, Duration took
     suspected_ = std::max(suspected_, suspected);
     add(sent, false);
     unanswered_.back().was_replaced = true;
-    is_doubtful_ = is_doubtful_ || sent.is_probe;
   }
   pending_.reset();
   suspected_ = Duration{0};
@@ -97,7 +95,6 @@ void Hold::close(std::vector<Unanswered>::iterator answered, Instant now, const 
   unanswered_.erase(answered);
 }
 
-// Of those that were not answered for certain.
 Instant Hold::oldest_unanswered(Instant otherwise) const {
   const auto oldest = std::ranges::find(unanswered_, false, &Unanswered::may_be_answered);
   return oldest == unanswered_.end() ? otherwise : oldest->sent;
@@ -114,8 +111,14 @@ void Hold::hold_for_rest(Instant oldest_sent, Instant now, const Timing& timing)
   }
 }
 
-bool Hold::note_asked(const modbus::Request* asked, Instant now, const Timing& timing) {
+bool Hold::note_asked(const modbus::Request* asked, Instant now, const Timing& timing,
+                      bool forgets) {
   settle(now, timing);
+  if (forgets && asked != nullptr && !(held_until_ && now < *held_until_)) {
+    std::erase_if(unanswered_, [&](const Unanswered& it) {
+      return it.is_over && it.asked.pdu() == asked->pdu();
+    });
+  }
   const bool is_in_doubt = is_doubtful_ && !unanswered_.empty();
   is_decisive_ = is_in_doubt && asked != nullptr && asked->is_read();
   is_doubtful_ = is_in_doubt && !is_decisive_;
@@ -265,8 +268,8 @@ Instant Hold::until(const Timing& timing) const {
 template <typename Predicate>
 Instant Hold::end_of_tails(const Timing& timing, Predicate holds, bool decides) const {
   const Instant held = std::max(held_until_.value_or(Instant::min()), rests_until_);
-  const Instant silent = heard_at_ + timing.probe_timeout_or_default();
-  Instant until = std::max(decides ? silent : held, end_of_seconds(timing));
+  const Instant begin = decides ? heard_at_ + timing.probe_timeout_or_default() : held;
+  Instant until = std::max(begin, end_of_seconds(timing));
   for (const Unanswered& it : unanswered_) {
     until = holds(it) ? std::max(until, end_of_tail(it, timing)) : until;
   }
@@ -278,11 +281,8 @@ Instant Hold::until(const modbus::Request& next, const Timing& timing, bool repe
                        pace_.longest_answer() * kFastPart < timing.response_timeout;
   const auto is_same = [&](const Unanswered& it) { return it.asked.function() == next.function(); };
   const bool decides = is_doubtful_ && next.is_read();
-  if (repeats && !decides) {
-    return Instant::min();
-  }
-  if (!decides && is_fast && std::ranges::none_of(unanswered_, is_same)) {
-    return end_of_seconds(timing);
+  if (!decides && (repeats || (is_fast && std::ranges::none_of(unanswered_, is_same)))) {
+    return repeats ? Instant::min() : end_of_seconds(timing);
   }
   const auto holds = [&](const Unanswered& it) {
     return decides ? is_same(it) && it.asked.pdu() != next.pdu()

@@ -49,7 +49,7 @@ class Hold {
     Instant due;
     bool is_retry = false;
     bool may_be_answered = false;  ///< what came may be its answer, or its echo
-    bool is_probe = false;         ///< the device was offline, or it was not known what it owed
+    bool is_probe = false;         ///< its response timeout is short
   };
   /// No answer came to it.
   void note_unanswered(const Sent& sent) { add(sent, false); }
@@ -63,8 +63,9 @@ class Hold {
   void note_answered(const Sent& sent, modbus::Bytes response, Duration took, Instant now,
                      const Timing& timing);
   /// A request is sent to the device, and is open from now on; nullptr: nothing ever answers it.
-  /// Returns whether an answer within a probe's time will show that the device owes nothing else.
-  bool note_asked(const modbus::Request* asked, Instant now, const Timing& timing);
+  /// `forgets`: an offline device may have lost the same request that it was sent before. Returns
+  /// whether an answer within a probe's time will show that the device owes nothing else.
+  bool note_asked(const modbus::Request* asked, Instant now, const Timing& timing, bool forgets);
   /// A write is sent to the device. From now on the answer to another one, sent before it, no
   /// longer proves that that one, sent once more, was carried out. After a stop this is so only for
   /// writes whose answer looks like its own.

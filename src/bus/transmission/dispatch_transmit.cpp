@@ -81,7 +81,8 @@ bool Dispatch::note_asked(const Transmission& transmission, Instant now) {
   DeviceEntry& entry = parts_.devices[sent.address];
   const bool is_silent = sent.may_stay_silent();
   const bool is_decisive =
-      entry.hold.note_asked(is_silent ? nullptr : &sent.request, now, entry.in_force());
+      entry.hold.note_asked(is_silent ? nullptr : &sent.request, now, entry.in_force(),
+                            transmission.is_stop() && entry.health.is_offline());
   entry.asked_at = now;
   if (!sent.request.is_read()) {
     entry.hold.note_written(sent.request, transmission.is_stop());

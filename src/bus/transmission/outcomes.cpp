@@ -101,9 +101,8 @@ void Outcomes::take_response(Transmission& transmission, const LineEnd& end, Ins
   }
   entry.note_heard();
   entry.unreached.reset();
-  Hold::Sent sent = sent_of(transmission, end.due);
-  sent.is_probe = sent.is_probe || entry.health.is_offline();
-  entry.hold.note_answered(sent, response.bytes(), end.took, now, entry.in_force());
+  entry.hold.note_answered(sent_of(transmission, end.due), response.bytes(), end.took, now,
+                           entry.in_force());
   parts_.payback.note_answered(asked.address, now);
   entry.health.note_answered(transmission.last_sent);
   diagnosis_.note_heard(asked.address, now);

@@ -47,7 +47,7 @@ class Health : public testing::Test {
             bool was_offline = false) {
     return hold_.note_late(response, at(came), timing_, was_offline);
   }
-  void asked(bus::Duration time) { hold_.note_asked(nullptr, at(time), timing_); }
+  void asked(bus::Duration time) { hold_.note_asked(nullptr, at(time), timing_, false); }
   [[nodiscard]] std::size_t owed(const modbus::Request& next) const {
     return hold_.owed(next, Instant::max(), at(0ms), timing_).size();
   }

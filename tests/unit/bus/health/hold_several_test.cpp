@@ -53,12 +53,12 @@ TEST_F(Health, OneWhoseFirstAnswerWasDamagedIsFast) {
 TEST_F(Health, ADeviceThatAnswersAProbeOnceMoreAtOnceOwesNothingElse) {
   unanswered(read_, 100ms);
   unanswered(read_, 2100ms);
-  hold_.note_asked(&read_, at(4s), timing_);
+  hold_.note_asked(&read_, at(4s), timing_, false);
   ASSERT_TRUE(late(kAnswer, 4010ms, true));
   unanswered(read_, 4100ms);
   EXPECT_FALSE(may_be_asked(read_, 4059ms));
   EXPECT_TRUE(may_be_asked(read_, 4060ms));
-  EXPECT_TRUE(hold_.note_asked(&read_, at(4110ms), timing_));
+  EXPECT_TRUE(hold_.note_asked(&read_, at(4110ms), timing_, false));
   EXPECT_EQ(owed(read_), 0U);
   EXPECT_FALSE(may_be_asked(13s));
   answered(read_, kAnswer, 4210ms, 10ms);
@@ -68,10 +68,10 @@ TEST_F(Health, ADeviceThatAnswersAProbeOnceMoreAtOnceOwesNothingElse) {
 TEST_F(Health, ADeviceThatDoesNotIsHeldForWhatItOwes) {
   unanswered(read_, 100ms);
   unanswered(read_, 2100ms);
-  hold_.note_asked(&read_, at(4s), timing_);
+  hold_.note_asked(&read_, at(4s), timing_, false);
   ASSERT_TRUE(late(kAnswer, 4010ms, true));
   unanswered(read_, 4100ms);
-  EXPECT_TRUE(hold_.note_asked(&read_, at(4110ms), timing_));
+  EXPECT_TRUE(hold_.note_asked(&read_, at(4110ms), timing_, false));
   unanswered(read_, 4210ms);
   EXPECT_FALSE(may_be_asked(13s));
   asked(13s);

@@ -71,7 +71,7 @@ TEST_F(Health, TheSecondAnswerProvesThatTheFirstWasLate) {
 
 TEST_F(Health, AnAnswerThatMayBeThatToALaterRequestShowsNoLatenessUntilOneMoreComes) {
   unanswered(read_, 100ms);
-  hold_.note_asked(&other_read_, at(500ms), timing_);
+  hold_.note_asked(&other_read_, at(500ms), timing_, false);
   const auto first = late(kAnswer, 505ms);
   ASSERT_TRUE(first);
   EXPECT_EQ(first->lateness, 0ms);
@@ -106,7 +106,7 @@ TEST_F(Health, WhatAHoldHasWaitedForIsNotOwedThoughItsTailEndsLater) {
 
 TEST_F(Health, WhatIsPendingCountsForTheHold) {
   unanswered(read_, 100ms);
-  hold_.note_asked(&other_read_, at(500ms), timing_);
+  hold_.note_asked(&other_read_, at(500ms), timing_, false);
   ASSERT_TRUE(late(kAnswer, 505ms));
   unanswered(other_read_, 600ms);
   EXPECT_FALSE(may_be_asked(1514ms));
