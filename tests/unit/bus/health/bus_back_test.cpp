@@ -29,14 +29,7 @@ TEST_F(BusOffline, OneResponseBringsItBack) {
 
 // It did not lose its supply, but did something else meanwhile. It answers in order, and quickly.
 TEST_F(BusOffline, ADeviceThatWorksOffWhatItWasAskedGetsNothingUntilItIsSilent) {
-  open(breaking());
-  lose_device();
-  advance(2s);
-  submit(job("03 0000 0001"));
-  advance(20ms);
-  line(kAnswer);  // to the first of four
-  advance(35ms);
-  submit(job("03 0010 0001"));
+  ask_beside_a_probe_with_a_late_answer();
   EXPECT_THAT(frames_, SizeIs(1));
   advance(10ms);
   for (int more = 0; more < 3; ++more) {
@@ -53,14 +46,7 @@ TEST_F(BusOffline, ADeviceThatWorksOffWhatItWasAskedGetsNothingUntilItIsSilent) 
 
 // It would not show whose answer comes: to what was asked just before, or to this.
 TEST_F(BusOffline, AReadOfOtherRegistersWaitsUntilTheProbeCannotBeAnswered) {
-  open(breaking());
-  lose_device();
-  advance(2s);
-  submit(job("03 0000 0001"));
-  advance(20ms);
-  line(kAnswer);
-  advance(35ms);
-  submit(job("03 0010 0001"));
+  ask_beside_a_probe_with_a_late_answer();
   advance(160ms);  // the response timeout and the quarantine are 100 ms, and an adapter keeps 20 ms
   EXPECT_THAT(frames_, SizeIs(1));
   advance(20ms);

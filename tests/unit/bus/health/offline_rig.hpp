@@ -32,6 +32,18 @@ class BusOffline : public Bus {
     endings_.clear();
     ended_at_.clear();
   }
+  /// It is offline, and what comes while it is probed may answer one of four reads. 35 ms later
+  /// other registers are asked for.
+  void ask_beside_a_probe_with_a_late_answer() {
+    open(breaking());
+    lose_device();
+    advance(2s);
+    submit(job("03 0000 0001"));
+    advance(20ms);
+    line(kAnswer);
+    advance(35ms);
+    submit(job("03 0010 0001"));
+  }
 };
 
 }  // namespace mbgate::test
