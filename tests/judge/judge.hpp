@@ -12,6 +12,11 @@ namespace mbgate::judge {
 
 using namespace world;  // NOLINT(google-build-using-namespace): it is about nothing else
 
+/// What was read then may be its answer.
+inline Instant oldest_of(const Asked& asked, const drive::Device* device) {
+  return asked.given - (device == nullptr ? Duration{0} : device->cache);
+}
+
 class Judge : public Witness {
  public:
   explicit Judge(World& world)

@@ -18,11 +18,6 @@ constexpr std::uint8_t kNoAnswer = 0x0B;
 
 bool is_on_wire(const Asked& asked) { return !asked.sent.empty(); }
 
-// What was read then may be its answer.
-Instant oldest_of(const Asked& asked, const drive::Device* device) {
-  return asked.given - (device == nullptr ? 0ms : device->cache);
-}
-
 }  // namespace
 
 void Judge::check_exception(const Asked& asked) {
