@@ -193,6 +193,7 @@ std::optional<Hold::Late> Hold::note_late(modbus::Bytes response, Instant came,
   if (pending_ && fits(*pending_, response)) {
     suspected_ = std::max(suspected_, seen);
     late.lateness = late.shown = Duration{0};
+    is_doubtful_ = is_doubtful_ || was_offline;
   } else if (&*later != &*found) {
     later->suspected = std::max(later->suspected, seen);
     late.lateness = std::max(came - later->due, Duration{0});
@@ -208,7 +209,6 @@ std::optional<Hold::Late> Hold::note_late(modbus::Bytes response, Instant came,
     const Duration took = late.lateness + timing.response_timeout;
     pace_.note_answer(took, took, came);
   }
-  is_doubtful_ = is_doubtful_ || (was_offline && pending_);
   heard_at_ = came;
   close(found, came, timing);
   settle(came, timing);

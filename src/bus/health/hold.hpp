@@ -77,8 +77,9 @@ class Hold {
     Duration shown;  ///< lateness of what was probably answered, the first try of a request
   };
   /// An unexpected frame of the device has come: the answer to the oldest unanswered transmission
-  /// that it fits. Nothing if there is none. If the device was offline and was probed just then, it
-  /// may be the answer to the probe. The next read shows that, once the device is silent.
+  /// that it fits. Nothing if there is none. If the device was offline and the frame fits what was
+  /// sent to it just then, it may be the answer to that. The next read shows it, once the device is
+  /// silent.
   std::optional<Late> note_late(modbus::Bytes response, Instant came, const Timing& timing,
                                 bool was_offline);
   /// Such a frame, which is no late answer, is a second answer to a request that was answered less

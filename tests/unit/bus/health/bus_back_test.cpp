@@ -53,6 +53,20 @@ TEST_F(BusOffline, AReadOfOtherRegistersWaitsUntilTheProbeCannotBeAnswered) {
   EXPECT_THAT(frames_, SizeIs(2));
 }
 
+// It was not without supply: it is slow, and owes two more answers.
+TEST_F(BusOffline, ADeviceThatDoesNotAnswerTheProbeButAnOlderReadIsHeld) {
+  open(breaking());
+  lose_device();
+  advance(2s);
+  submit(job("06 0000 0001"));
+  advance(20ms);
+  line(kAnswer);
+  submit(job(kRead));
+  advance(1s);
+  EXPECT_THAT(frames_, SizeIs(1));
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+}
+
 TEST_F(BusOffline, AProbeWithALateAnswerIsRepeatedOnceForAShortTime) {
   auto retrying = breaking();
   open(retrying);
