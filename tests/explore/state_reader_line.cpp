@@ -97,11 +97,11 @@ void StateReader::read(const bus::Framer& framer, Hash& hash) {
 }
 
 void StateReader::read(const bus::RtuFramer& framer, Hash& hash) {
-  // Settings: timing, slack. Known by the line: sent. Counted only: counters. Set and read within
-  // one input: found, noise. Empty when the machine was asked for
-  // its actions: strays.
-  const auto& [timing, slack, counters, transaction, sent, buffer, last_byte, answer, answer_at,
-               given, answers_another, discarding, found, noise, cut, strays] = framer;
+  // Settings: timing, slack. Known by the line: sent, and until when it is hurried. Counted only:
+  // counters. Set and read within one input: found, noise. Empty when the machine was asked for its
+  // actions: strays.
+  const auto& [timing, slack, counters, transaction, sent, hurried, buffer, last_byte, answer,
+               answer_at, given, answers_another, discarding, found, noise, cut, strays] = framer;
   const Duration reach = std::max(timing.t3_5(), slack);
   hash.add(transaction != nullptr);
   hash.since(last_byte, reach);
@@ -113,6 +113,7 @@ void StateReader::read(const bus::RtuFramer& framer, Hash& hash) {
   }
   if (framer.in_progress()) {
     hash.add(answer_at);
+    hash.add(hurried.has_value());
   }
   read(buffer, kFarPast, hash);
   read(cut, buffer.size() == 0, hash);

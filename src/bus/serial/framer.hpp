@@ -31,12 +31,8 @@ class Framer {
   void expect(const Transaction& transaction, Instant sent) {
     std::visit([&](auto& framer) { framer.expect(transaction, sent); }, framer_);
   }
-  /// A stop waits, and the response timeout ends at `due` for it. In RTU a frame has no more time
-  /// than that anyway.
   void hurry(Instant due) {
-    if (auto* ascii = std::get_if<AsciiFramer>(&framer_)) {
-      ascii->hurry(due);
-    }
+    std::visit([&](auto& framer) { framer.hurry(due); }, framer_);
   }
   Verdict add(modbus::Bytes bytes, Instant now) {
     return std::visit([&](auto& framer) { return framer.add(bytes, now); }, framer_);

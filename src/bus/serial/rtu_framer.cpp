@@ -6,19 +6,12 @@
 #include "bus/serial/rtu_shape.hpp"
 
 namespace mbgate::bus {
-namespace {
-
-using Kind = modbus::PduLength::Kind;
-
-}  // namespace
-
-RtuFramer::RtuFramer(const modbus::RtuTiming& timing, Duration slack, BusCounters& counters)
-    : timing_(timing), slack_(slack), counters_(counters) {}
 
 void RtuFramer::expect(const Transaction& transaction, Instant sent) {
   listen();
   transaction_ = &transaction;
   sent_ = sent;
+  hurried_.reset();
   given_ = 0;
   found_.pdu.reset();
 }
@@ -88,16 +81,10 @@ void RtuFramer::discard() {
   discarding_ = true;
 }
 
-// The longest frame is over, and there was no silence behind it.
-bool RtuFramer::is_never_silent(Instant now) const {
-  return awaits_silence() && now >= buffer_.came_at(answer_at_) +
-                                        timing_.duration_of(modbus::kMaxRtuSize) + slack_ +
-                                        silence();
-}
-
 Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
-  if (is_never_silent(now)) {
-    discard();
+  const Duration longest = timing_.duration_of(modbus::kMaxRtuSize) + slack_ + silence();
+  if (awaits_silence() && now >= buffer_.came_at(answer_at_) + longest) {
+    discard();  // the longest frame is over, and no silence has come behind it
   }
   const bool silence_before = now - last_byte_ >= timing_.t3_5();
   last_byte_ = now;
@@ -190,10 +177,12 @@ std::optional<Instant> RtuFramer::next_deadline() const {
     return last_byte_ + silence();
   }
   const modbus::PduLength length = looker().length_of(buffer_.bytes().subspan(answer_at_));
-  const std::size_t size =
-      length.kind == Kind::known ? length.bytes + modbus::kRtuOverhead : modbus::kMaxRtuSize;
+  const std::size_t size = length.kind == modbus::PduLength::Kind::known
+                               ? length.bytes + modbus::kRtuOverhead
+                               : modbus::kMaxRtuSize;
   const Instant whole = buffer_.came_at(answer_at_) + timing_.duration_of(size);
-  return std::min(std::max(whole, last_byte_) + slack_, whole + kLongestPauses);
+  const Instant latest = hurried_ ? std::max(*hurried_, whole + slack_) : whole + kLongestPauses;
+  return std::min(std::max(whole, last_byte_) + slack_, latest);
 }
 
 Verdict RtuFramer::handle_deadline(Instant now) {

@@ -18,7 +18,6 @@
 #include "bus/serial/received_bytes.hpp"
 #include "bus/serial/rtu_search.hpp"
 #include "bus/serial/verdict.hpp"
-#include "bus/settings.hpp"
 #include "modbus/response.hpp"
 
 namespace mbgate::bus {
@@ -26,13 +25,17 @@ namespace mbgate::bus {
 class RtuFramer {
  public:
   /// `slack` is what an answer may pause in all, and the silence that ends what has no known end.
-  RtuFramer(const modbus::RtuTiming& timing, Duration slack, BusCounters& counters);
+  RtuFramer(const modbus::RtuTiming& timing, Duration slack, BusCounters& counters)
+      : timing_(timing), slack_(slack), counters_(counters) {}
   void set_slack(Duration slack) { slack_ = slack; }
 
   /// From now on the answer to `transaction` is looked for; it must outlive the search. A request
   /// like it that begins before `sent` is its echo: the end of emission, if the line keeps its
   /// pace.
   void expect(const Transaction& transaction, Instant sent = Instant::min());
+  /// A stop waits, and the response timeout ends at `due` for it. An answer that has begun is
+  /// complete by then, or after its time on the wire and the slack, or the wait is over.
+  void hurry(Instant due) { hurried_ = due; }
   /// Nothing is asked any more. What is left of the bytes is stray.
   void listen();
   /// Another connection: what was cut does not go on.
@@ -69,8 +72,6 @@ class RtuFramer {
   Verdict end_by_silence();
   /// What ends a frame of which nothing else tells the end.
   [[nodiscard]] Duration silence() const { return std::max(timing_.t3_5(), slack_); }
-  /// What waits for a silence that has not come by now is no answer.
-  [[nodiscard]] bool is_never_silent(Instant now) const;
   void note_unsolicited(std::size_t at, std::size_t size);
 
   modbus::RtuTiming timing_;
@@ -78,6 +79,7 @@ class RtuFramer {
   BusCounters& counters_;
   const Transaction* transaction_ = nullptr;
   Instant sent_;
+  std::optional<Instant> hurried_;
   ReceivedBytes buffer_;
   Instant last_byte_;
   Answer answer_ = Answer::not_begun;

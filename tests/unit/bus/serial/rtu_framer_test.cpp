@@ -183,6 +183,27 @@ TEST_F(RtuFramer, GivesAnIncompleteAnswerUpAfterTheTimeOfItsBytes) {
   EXPECT_EQ(add(kAnswer), Verdict::response);
 }
 
+// Nine characters take 5.156 ms.
+TEST_F(RtuFramer, WhileAStopWaitsAnAnswerThatCreepsInHasTheSlackOnly) {
+  const Duration wire = modbus::RtuTiming(modbus::Baud{19200}, {}).duration_of(9);
+  for (const bool is_stop_waiting : {false, true}) {
+    expect(kRead);
+    const Instant began = now_;
+    EXPECT_EQ(add("01"), Verdict::none);
+    if (is_stop_waiting) {
+      framer_.hurry(began + 1ms);
+    }
+    EXPECT_EQ(framer_.next_deadline(), began + wire + 20ms);
+    after(19ms);
+    EXPECT_EQ(add("03"), Verdict::none);
+    EXPECT_EQ(framer_.next_deadline(), is_stop_waiting ? began + wire + 20ms : now_ + 20ms);
+  }
+  framer_.hurry(now_ + 100ms);
+  after(1ms);
+  EXPECT_EQ(add("04"), Verdict::none);
+  EXPECT_EQ(framer_.next_deadline(), now_ + 20ms);
+}
+
 TEST_F(RtuFramer, IsDoneWithAnAnswerThatItHasGivenUp) {
   expect("03 0000 0002");
   EXPECT_EQ(add("01 03 04 00"), Verdict::none);
