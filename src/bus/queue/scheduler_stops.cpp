@@ -7,8 +7,9 @@
 namespace mbgate::bus {
 namespace {
 
+// It has answered neither its last transmission nor the one before.
 bool does_not_answer(const DeviceEntry& entry) {
-  return entry.is_silent() || entry.stop_unanswered;
+  return entry.stop_unanswered || (entry.is_silent() && entry.health.unanswered_in_row() != 1);
 }
 
 // Of two stops to drives that do not answer, the second lets something else go first, and so does

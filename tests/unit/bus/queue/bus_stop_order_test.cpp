@@ -85,6 +85,24 @@ TEST_F(BusStopOrder, OneThatWaitedForTheTryOfAnotherToItsDriveGivesWayToo) {
   EXPECT_EQ(frames_.back(), kStopBy16Frame);
 }
 
+TEST_F(BusStopOrder, ADriveThatHasLostOneAnswerStillAnswers) {
+  for (const bool is_dead : {false, true}) {
+    frames_.clear();
+    open_settling();
+    for (int times = 0; times < (is_dead ? 2 : 1); ++times) {
+      submit(job_of(1, kRead));
+      advance(300ms);
+    }
+    submit(job_of(9, kRead, 3));
+    frames_.clear();
+    submit(job(kStop));
+    submit(job(kStop, 2));
+    refuse(3);
+    advance(10ms);
+    EXPECT_EQ(frames_.at(0), is_dead ? "02 06 00 7C 00 E1 88 69" : kStopFrame);
+  }
+}
+
 TEST_F(BusStopOrder, SoDoThoseToTwoDeadDrives) {
   open_settling();
   submit(job(kStop));
