@@ -70,8 +70,9 @@ void Judge::note_share(const Asked& asked) {
   const auto misfit = misfits_.find(asked.sent.back());
   const bool is_ordered = plan_.settings.listeners[door_of(asked).listener].ordered;
   const Duration allowed = slack_of(plan_.bus(sent.bus)) + kLateness;
-  if (misfit != misfits_.end() && asked.intent.kind == Kind::write && is_lost &&
-      !plan_.is_tcp(sent.bus) && !is_ordered && due - misfit->second > 2 * allowed) {
+  const bool ends = !plan_.is_tcp(sent.bus) || plan_.bus(sent.bus).check_transaction;
+  if (misfit != misfits_.end() && asked.intent.kind == Kind::write && is_lost && ends &&
+      !is_ordered && due - misfit->second > 2 * allowed) {
     ++(asked.answered > misfit->second + allowed ? share.waited : share.ended);
   }
 }

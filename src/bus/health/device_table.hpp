@@ -52,7 +52,7 @@ struct DeviceEntry {
   DeviceHealth health;
   Hold hold;
   ReadCache cache;
-  Instant free_at = Instant::min();  ///< it boots: nothing is sent to it before
+  Instant free_at = Instant::min();  ///< it boots, or pauses: only stops are sent to it before
   Job* probe = nullptr;              ///< the job that probes it while it is offline
   /// The device's own setting was read and is as configured (Transaction::must_hold). Since then
   /// every request was answered, the line was not reopened, and no communication register was

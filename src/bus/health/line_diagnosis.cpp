@@ -13,9 +13,7 @@ using namespace std::chrono_literals;
 
 constexpr Duration kNeverSilent = 1s;
 constexpr Duration kLongOffline = 10s;
-
-// Fewer bytes than these are a driver that turns off.
-constexpr std::size_t kLeastHeard = 3;
+constexpr std::size_t kLeastHeard = 3;  // fewer bytes are a driver that turns off
 
 const Transmission* asked_of(const Parts& parts, std::uint8_t address) {
   const auto running = parts.transmissions.running();
@@ -88,7 +86,12 @@ void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end, Instant n
       quality.note_damaged();
       quality_.note_answer(true);
       break;
-    case LineEnd::How::misfit: quality.note_misfit(); break;
+    case LineEnd::How::misfit:
+      quality.note_misfit();
+      if (!std::exchange(parts_.devices[asked.address].misfit_reported, true)) {
+        notify(DeviceNotice::Kind::misfit, asked.address);
+      }
+      break;
     case LineEnd::How::no_response:
       if (end.heard >= kLeastHeard && !heard_frame) {
         quality.note_unreadable(end.heard_after, quality_.unasked());
@@ -141,10 +144,6 @@ void LineDiagnosis::tell_quality(std::uint8_t address) {
   while (const auto change = quality_.take_change(address)) {
     parts_.actions.push(*change);
   }
-}
-
-bool LineDiagnosis::note_unanswered_connection() {
-  return !std::exchange(replacement_reported_, true) || parts_.line.use().has_answered();
 }
 
 bool LineDiagnosis::note_heard(std::uint8_t address, Instant now) {
@@ -253,12 +252,10 @@ bool LineDiagnosis::note_misfit(const UnsolicitedFrame& unsolicited) {
     line->take_misfit(unsolicited.pdu, std::nullopt);
     return true;
   }
-  if (!std::exchange(entry.misfit_reported, true)) {
-    notify(DeviceNotice::Kind::misfit, unsolicited.address);
-  }
-  const bool is_read = asked->on_wire().request.is_read();
-  line->take_misfit(unsolicited.pdu, unsolicited.came + parts_.settings.frame_slack_or_default() +
-                                         (is_read ? entry.hold.longest_answer() : Duration{0}));
+  const Duration longest =
+      asked->on_wire().request.is_read() ? entry.hold.longest_answer() : Duration{0};
+  line->take_misfit(unsolicited.pdu,
+                    unsolicited.came + parts_.settings.frame_slack_or_default() + longest);
   return true;
 }
 
@@ -270,17 +267,19 @@ void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
     return;
   }
   const Instant now = unsolicited.came;
-  const std::uint8_t address = unsolicited.address;
-  DeviceEntry& entry = parts_.devices[address];
+  DeviceEntry& entry = parts_.devices[unsolicited.address];
   const Duration longest = entry.in_force().quarantine_max;
-  const bool is_asked = asked_of(parts_, address) != nullptr;
+  const bool is_asked = asked_of(parts_, unsolicited.address) != nullptr;
   const bool is_request_of_now = is_own(parts_, unsolicited);
   entry.others_at = unsolicited.is_request && !is_request_of_now ? now : entry.others_at;
   if (is_request_of_now && unsolicited.is_request && parts_.settings.line.echo == false &&
       denied_echo_.note_heard(now)) {
     parts_.actions.push(LineNotice{LineFault::echo_denied});
   }
-  if (unsolicited.after_noise || is_request_of_now || now < parts_.link.opened_at() + longest) {
+  const bool answers_broadcast =
+      unsolicited.is_response && parts_.line.silence()->is_in_turnaround(now);
+  if (unsolicited.after_noise || is_request_of_now || answers_broadcast ||
+      now < parts_.link.opened_at() + longest) {
     return;
   }
   const bool is_old = entry.owed_until == Instant::min() || now > entry.owed_until + longest;
@@ -291,7 +290,7 @@ void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
   last_foreign_ = now;
   last_foreign_request_ = unsolicited.is_request ? now : last_foreign_request_;
   if (!std::exchange(foreign_reported_, true)) {
-    DeviceNotice notice{DeviceNotice::Kind::foreign, address};
+    DeviceNotice notice{DeviceNotice::Kind::foreign, unsolicited.address};
     notice.is_request = unsolicited.is_request;
     parts_.actions.push(notice);
   }

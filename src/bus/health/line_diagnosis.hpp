@@ -4,6 +4,8 @@
 // that is never silent. Each finding is reported once until it is over.
 #pragma once
 
+#include <utility>
+
 #include "bus/bus_action.hpp"
 #include "bus/health/denied_echo.hpp"
 #include "bus/health/line_load.hpp"
@@ -51,7 +53,9 @@ class LineDiagnosis {
   void note_other_devices(const Addresses& addresses);
   /// The server takes requests and does not answer. Returns true the first time since something was
   /// received from it.
-  bool note_unanswered_connection();
+  bool note_unanswered_connection() {
+    return !std::exchange(replacement_reported_, true) || parts_.line.use().has_answered();
+  }
   /// A good frame of the device came. Returns true if it was offline, and is back: then others that
   /// have their supply from the same place may be, too.
   bool note_heard(std::uint8_t address, Instant now);

@@ -166,16 +166,21 @@ void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
     unsolicited_.add({transaction.address, answer.pdu, now});
     return;
   }
-  if (!is_fitting(modbus::check_response(transaction.request, answer.pdu.bytes()))) {
+  const bool fits = is_fitting(modbus::check_response(transaction.request, answer.pdu.bytes()));
+  if (!fits) {
     ++counters_.unsolicited_frames;
     if (!check_transaction_) {
       unsolicited_.add({transaction.address, answer.pdu, now});
+      return;
     }
-    return;
+    if ((answer.pdu.function() & ~modbus::kExceptionBit) != transaction.request.function()) {
+      return;
+    }
   }
   use_.note_answer(now);
   transaction.response = answer.pdu;
-  ends_.push_back({LineEnd::How::response, &transaction, flight->due, now - flight->sent});
+  ends_.push_back({fits ? LineEnd::How::response : LineEnd::How::misfit, &transaction, flight->due,
+                   now - flight->sent});
   if (check_transaction_) {
     std::erase_if(asked_, [&](const Sent& it) { return it.identifier == flight->identifier; });
   }

@@ -27,12 +27,9 @@ inline constexpr std::size_t kMostAsked = 64;
 
 class TcpDiscipline {
  public:
-  TcpDiscipline(const BusSettings& settings, BusCounters& counters)
-      : check_unit_(settings.check_unit),
-        check_transaction_(settings.check_transaction),
-        replace_after_(settings.replace_after),
-        connect_delay_(settings.connect_delay),
-        counters_(counters) {}
+  TcpDiscipline(const BusSettings& settings, BusCounters& counters) : counters_(counters) {
+    update(settings);
+  }
 
   /// The connection is there, and new: nothing of before counts any more. Without identifiers it is
   /// listened to until then.
@@ -110,10 +107,10 @@ class TcpDiscipline {
   /// Drops bytes behind an exception that its length has promised and that begin no answer.
   void skip_padding();
 
-  bool check_unit_;
-  bool check_transaction_;
-  unsigned replace_after_;
-  Duration connect_delay_;
+  bool check_unit_ = false;
+  bool check_transaction_ = true;
+  unsigned replace_after_ = 0;
+  Duration connect_delay_{0};
   Instant ready_first_at_ = Instant::min();  // of this connection
   BusCounters& counters_;
   Flights flights_;

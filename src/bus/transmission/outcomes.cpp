@@ -60,8 +60,16 @@ void Outcomes::handle_end(LineEnd end, Instant now) {
       ends_.advance(transmission, Ending::transmitted);
       break;
     case LineEnd::How::no_response: handle_silence(transmission, end, now); break;
-    case LineEnd::How::damaged:
-    case LineEnd::How::misfit: handle_unreadable(transmission, end, now); break;
+    case LineEnd::How::misfit:
+      // On a connection the frame is known, and so is the request that it answers.
+      if (sent.response && !transmission.is_stop() &&
+          entry.device->takes_limited(sent.request, sent.response->bytes())) {
+        handle_response(transmission, end, now);
+        break;
+      }
+      end.transaction->response.reset();
+      [[fallthrough]];
+    case LineEnd::How::damaged: handle_unreadable(transmission, end, now); break;
   }
   if (!sent.is_broadcast()) {
     entry.hold_after(sent.request, now);
@@ -118,7 +126,11 @@ void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, I
   transmission.is_probe = false;
   const Job& leader = *transmission.leader;
   if (leader.is_single_read()) {
-    share_response(transmission);
+    for (Job* follower : transmission.followers) {
+      follower->transaction().response = response;
+      follower->current = follower->transactions.size();
+      ++parts_.counters.shared_reads;
+    }
   }
   const Transaction& own = leader.transaction();
   if (own.must_hold != nullptr && !holds_what_it_must(own)) {
@@ -190,6 +202,8 @@ void Outcomes::handle_unreadable(Transmission& transmission, const LineEnd& end,
     ++parts_.counters.bad_crcs;
     ++entry.counters.bad_crcs;
     entry.health.note_damaged(now);
+    // The frame may have been one of two, as a misfit may (LineDiagnosis::note_misfit).
+    entry.free_at = std::max(entry.free_at, now + entry.hold.longest_answer());
   } else {
     entry.hold.note_heard(now);
     diagnosis_.note_heard(sent.address, now);
@@ -214,14 +228,6 @@ void Outcomes::handle_failure(Transmission& transmission, Instant now) {
     return;
   }
   ends_.finish(transmission, Ending::no_answer);
-}
-
-void Outcomes::share_response(Transmission& transmission) {
-  for (Job* follower : transmission.followers) {
-    follower->transaction().response = transmission.on_wire().response;
-    follower->current = follower->transactions.size();
-    ++parts_.counters.shared_reads;
-  }
 }
 
 // What was read may answer the next one that asks, where the device allows it.

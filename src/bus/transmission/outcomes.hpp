@@ -43,8 +43,6 @@ class Outcomes {
   void handle_stop_failure(Transmission& stop, Instant now);
   bool repeat_refused(Transmission& stop, Instant now);
   void part_from_untried(Transmission& stop);
-  void go_offline(DeviceEntry& entry, std::uint8_t address, Instant now);
-  void share_response(Transmission& transmission);
   void remember(const Job& job, const Transmission& transmission);
 
   Parts& parts_;

@@ -44,14 +44,10 @@ void Outcomes::note_unanswered(Transmission& transmission, Instant due, Instant 
   parts_.payback.note_lost(transmission.last_sent, now);
   parts_.probes.note_unanswered(transmission, now);
   if (entry.health.note_unanswered(transmission.last_sent, due, offline_after(entry))) {
-    go_offline(entry, address, now);
+    entry.health.set_probe_at(now + entry.in_force().probe_interval);
+    diagnosis_.notify(DeviceNotice::Kind::lost, address);
+    ends_.end_waiting_for(address);
   }
-}
-
-void Outcomes::go_offline(DeviceEntry& entry, std::uint8_t address, Instant now) {
-  entry.health.set_probe_at(now + entry.in_force().probe_interval);
-  diagnosis_.notify(DeviceNotice::Kind::lost, address);
-  ends_.end_waiting_for(address);
 }
 
 // Not beside a write on a Modbus TCP connection, which the server may carry out after the stop.

@@ -26,6 +26,24 @@ TEST_F(Bus, ABadCrcIsRetriedForReadsOnly) {
   EXPECT_EQ(bus_->counters().bad_crcs, 2U);
 }
 
+// What is damaged may be one of two answers, and the other may still be on its way.
+TEST_F(Bus, AReadIsRepeatedAfterABadCrcWhenAnotherAnswerWouldHaveCome) {
+  auto retrying = settings();
+  retrying.timing.retries = 1;
+  open(retrying);
+  submit(job(kRead));
+  advance(70ms);
+  line(kAnswer);
+  advance(30ms);
+  submit(job(kRead));
+  advance(10ms);
+  line("01 03 02 12 35 B5 33");
+  advance(70ms);  // 20 ms of silence show that it is damaged
+  EXPECT_THAT(frames_, SizeIs(2));
+  advance(20ms);
+  EXPECT_THAT(frames_, SizeIs(3));
+}
+
 TEST_F(Bus, LooksAtItsLineOnceBeforeItTransmits) {
   open(settings());
   EXPECT_TRUE(bus_->submit(job(kRead), now_));

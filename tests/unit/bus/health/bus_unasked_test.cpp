@@ -37,6 +37,21 @@ TEST_F(BusUnasked, FramesOfDevicesThatOweNothingAreForeignTrafficAndToldOnce) {
   EXPECT_THAT(notices_, ElementsAre(Kind::foreign));
 }
 
+// A drive that answers a broadcast is no other client.
+TEST_F(BusUnasked, WhatComesWithinTheTurnaroundDelayAnswersTheBroadcast) {
+  open(settings());
+  advance(10s);
+  submit(job("06 0000 0001", 0));
+  advance(30ms);
+  line("02 06 00 00 00 01 48 39");
+  EXPECT_EQ(bus_->counters().foreign_frames, 0U);
+  line("03 03 00 00 00 01 85 E8");  // a request is nobody's answer
+  EXPECT_EQ(bus_->counters().foreign_frames, 1U);
+  advance(200ms);
+  line("02 03 02 12 34 F1 33");
+  EXPECT_EQ(bus_->counters().foreign_frames, 2U);
+}
+
 TEST_F(BusUnasked, AnotherClientsRequestIsNoAnswer) {
   auto breaking = settings();
   breaking.timing.offline_after = 1;

@@ -26,6 +26,48 @@ TEST_F(BusTcp, AnExceptionHasTwoBytesWhateverItsLengthSays) {
   }
 }
 
+// The drive is there, and nothing shows that it is not: another number of registers, another value.
+TEST_F(BusTcp, AnAnswerThatDoesNotFitEndsTheWait) {
+  auto once = tcp();
+  once.timing.offline_after = 1;
+  open(once);
+  submit(job("03 0000 0002"));
+  answer(0, "01 03 02 12 34");
+  submit(job("06 0005 2710"));
+  answer(1, "01 06 00 05 03 E8");
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::no_answer));
+  EXPECT_EQ(bus_->devices()[1].health.state(), DeviceState::answering);
+  EXPECT_THAT(notices_, ElementsAre(Kind::misfit));
+  submit(job(kRead));
+  answer(2, "01 04 02 12 34");  // of another function: it may be the answer to somebody else
+  answer(2, "01 03 02 12 34");
+  EXPECT_EQ(endings_.back(), Ending::answered);
+}
+
+TEST_F(BusTcp, AnAnswerThatDoesNotFitIsAskedForOnceMore) {
+  auto retrying = tcp();
+  retrying.timing.retries = 1;
+  open(retrying);
+  bus::Job& read = job(kRead);
+  submit(read);
+  answer(0, "01 03 04 12 34 56 78");
+  ASSERT_THAT(frames_, SizeIs(2));
+  answer(0, "01 03 02 12 34");  // the first is over
+  EXPECT_THAT(endings_, IsEmpty());
+  answer(1, "01 03 02 56 78");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  EXPECT_EQ(hex(read.transactions[0].response->bytes()), "03 02 56 78");
+}
+
+TEST_F(BusTcp, ALimitedValueIsAnAnswerWhereTheDeviceMaySaySo) {
+  drive::Device axis{"axis", {}, 1, tcp().timing};
+  axis.limits_values = true;
+  open(tcp(), {axis});
+  submit(job("06 0005 2710"));
+  answer(0, "01 06 00 05 03 E8");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
 TEST_F(BusTcp, AnExceptionThatIsSentByteByByteIsTakenWithItsLast) {
   open(tcp());
   submit(job(kRead));
