@@ -39,11 +39,6 @@ struct IntegerRange {
   std::int64_t max;
 };
 
-struct NumberRange {
-  double min;
-  double max;
-};
-
 /// With `zero_is_off`, a duration of 0 is allowed in addition to the range, and turns something
 /// off.
 struct DurationRange {
@@ -89,8 +84,6 @@ class TomlTable {
   std::optional<std::string> string(std::string_view key);
   std::optional<bool> boolean(std::string_view key);
   std::optional<std::int64_t> integer(std::string_view key, IntegerRange range);
-  /// An integer or a float.
-  std::optional<double> number(std::string_view key, NumberRange range);
   /// A string with its unit: "250us", "1.75ms", "2s", "10m", "1h"; exact.
   std::optional<std::chrono::nanoseconds> duration(std::string_view key, DurationRange range);
   /// The strings of a list, each with its position.

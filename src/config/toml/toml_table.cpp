@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <charconv>
 #include <fmt/core.h>
 
+#include "base/text.hpp"
 #include "config/toml/suggestion.hpp"
 #include "config/toml/toml_reader.hpp"
 #include "config/toml/toml_value.hpp"
@@ -30,17 +30,11 @@ std::string path_of(std::string_view title, std::string_view key) {
   return fmt::format("{}.{}", title.substr(first, end - first), key);
 }
 
-/// Is it the text of a number from `min` to `max`, of which only the quotes are wrong?
-template <typename Number>
-bool is_quoted_number(const TomlValue& value, Number min, Number max) {
+/// Is it the text of an integer in the range, of which only the quotes are wrong?
+bool is_quoted_number(const TomlValue& value, IntegerRange range) {
   const auto* text = std::get_if<std::string>(&value.data);
-  if (text == nullptr) {
-    return false;
-  }
-  Number number{};
-  const auto* end = text->data() + text->size();
-  const auto [at, error] = std::from_chars(text->data(), end, number);
-  return error == std::errc{} && at == end && number >= min && number <= max;
+  const auto number = text != nullptr ? integer_in<std::int64_t>(*text) : std::nullopt;
+  return number && *number >= range.min && *number <= range.max;
 }
 
 bool is_quoted_truth(const TomlValue& value) {
@@ -146,31 +140,8 @@ std::optional<std::int64_t> TomlTable::integer(std::string_view key, IntegerRang
   if (number != nullptr && *number >= range.min && *number <= range.max) {
     return *number;
   }
-  report_expected(
-      key, *found,
-      is_quoted_number(*found, range.min, range.max) ? without_quotes(*found) : range_text(range));
-  return std::nullopt;
-}
-
-std::optional<double> TomlTable::number(std::string_view key, NumberRange range) {
-  const auto* found = value(key);
-  if (found == nullptr) {
-    return std::nullopt;
-  }
-  std::optional<double> number;
-  if (const auto* integer = std::get_if<std::int64_t>(&found->data)) {
-    number = static_cast<double>(*integer);
-  } else if (const auto* real = std::get_if<double>(&found->data)) {
-    number = *real;
-  }
-  if (number && *number >= range.min && *number <= range.max) {
-    return number;
-  }
   report_expected(key, *found,
-                  is_quoted_number(*found, range.min, range.max)
-                      ? without_quotes(*found)
-                      : fmt::format("a number from {} to {}", describe({{}, range.min}),
-                                    describe({{}, range.max})));
+                  is_quoted_number(*found, range) ? without_quotes(*found) : range_text(range));
   return std::nullopt;
 }
 

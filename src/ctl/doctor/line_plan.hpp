@@ -3,7 +3,7 @@
 //
 // To change what `mbgatectl doctor` finds, and what it says
 // - the order of its steps, and how they are printed: examination_shell.
-// - the port: findings, port_facts_shell; the idle line: idle_line.
+// - the port: findings, port_facts_shell; the idle line: line_findings.
 // - the units that it asks, its waits, its end: questions_shell.
 // - bytes after a request, and between two requests: trial.
 // - echo, other clients, answers, two devices at one address: line_findings, answer_findings.

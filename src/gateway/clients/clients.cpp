@@ -89,7 +89,9 @@ void Clients::handle_deadline(Instant now) {
 void Clients::set_phase(Phase phase) {
   intake_.set_phase(phase);
   sessions_.for_each([this](const ClientSession& session) {
-    requests_.end_held(session);
+    for (const std::uint32_t held : session.held) {
+      exchanges_.cancel(held);  // what no bus has yet
+    }
     sessions_.wake(session);
   });
 }

@@ -221,12 +221,6 @@ void Requests::end_outdated(const ClientSession& session, const SettingsSnapshot
   }
 }
 
-void Requests::end_held(const ClientSession& session) {
-  for (const std::uint32_t held : session.held) {
-    exchanges_.cancel(held);
-  }
-}
-
 modbus::Pdu Requests::answer_of_gateway(const ClientSession& session, const Request& asked,
                                         Instant now) {
   const modbus::Pdu& request = asked.adu.pdu;

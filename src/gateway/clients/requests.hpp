@@ -37,8 +37,6 @@ class Requests {
   void end_withdrawn(const ClientSession& session, Instant now);
   /// New settings are in force: of what no bus has yet, refuses what would mean something else now.
   void end_outdated(const ClientSession& session, const SettingsSnapshot& before);
-  /// Refuses what no bus has yet.
-  void end_held(const ClientSession& session);
   /// All that the status unit shows: of its own, of clients, of buses and devices.
   void clear_counters();
 
