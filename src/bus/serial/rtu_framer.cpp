@@ -82,9 +82,10 @@ void RtuFramer::discard() {
 }
 
 Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
-  const Duration longest = timing_.duration_of(modbus::kMaxRtuSize) + slack_ + silence();
-  if (awaits_silence() && now >= buffer_.came_at(answer_at_) + longest) {
-    discard();  // the longest frame is over, and no silence has come behind it
+  // The longest frame is over, and there was no silence behind it.
+  if (awaits_silence() && now >= buffer_.came_at(answer_at_) + slack_ + silence() +
+                                     timing_.duration_of(modbus::kMaxRtuSize)) {
+    discard();
   }
   const bool silence_before = now - last_byte_ >= timing_.t3_5();
   last_byte_ = now;

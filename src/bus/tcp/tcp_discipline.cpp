@@ -166,21 +166,20 @@ void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
     unsolicited_.add({transaction.address, answer.pdu, now});
     return;
   }
-  const bool fits = is_fitting(modbus::check_response(transaction.request, answer.pdu.bytes()));
-  if (!fits) {
+  const auto fit = modbus::check_response(transaction.request, answer.pdu.bytes());
+  if (!is_fitting(fit)) {
     ++counters_.unsolicited_frames;
     if (!check_transaction_) {
       unsolicited_.add({transaction.address, answer.pdu, now});
-      return;
     }
-    if ((answer.pdu.function() & ~modbus::kExceptionBit) != transaction.request.function()) {
+    if (!check_transaction_ || fit == modbus::ResponseFit::wrong_function) {
       return;
     }
   }
   use_.note_answer(now);
   transaction.response = answer.pdu;
-  ends_.push_back({fits ? LineEnd::How::response : LineEnd::How::misfit, &transaction, flight->due,
-                   now - flight->sent});
+  ends_.push_back({is_fitting(fit) ? LineEnd::How::response : LineEnd::How::misfit, &transaction,
+                   flight->due, now - flight->sent});
   if (check_transaction_) {
     std::erase_if(asked_, [&](const Sent& it) { return it.identifier == flight->identifier; });
   }

@@ -6,9 +6,7 @@ namespace mbgate::test {
 namespace {
 
 TEST_F(Bus, ABadCrcIsRetriedForReadsOnly) {
-  auto retrying = settings();
-  retrying.timing.retries = 1;
-  open(retrying);
+  open_retrying();
   submit(job(kRead));
   advance(10ms);
   line("01 03 02 12 35 B5 33");
@@ -28,9 +26,7 @@ TEST_F(Bus, ABadCrcIsRetriedForReadsOnly) {
 
 // What is damaged may be one of two answers, and the other may still be on its way.
 TEST_F(Bus, AReadIsRepeatedAfterABadCrcWhenAnotherAnswerWouldHaveCome) {
-  auto retrying = settings();
-  retrying.timing.retries = 1;
-  open(retrying);
+  open_retrying();
   submit(job(kRead));
   advance(70ms);
   line(kAnswer);
