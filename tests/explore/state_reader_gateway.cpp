@@ -98,8 +98,8 @@ void StateReader::read(const gateway::Exchange& exchange, gateway::Gateway& gate
   // One for all: snapshot; of that and the unit: route. Of its client: listener, address. Unordered
   // answers have no place: answer. For the trace: ended_as.
   // Whatever is asked from now on has a later number: arrival, sequence.
-  const auto& [snapshot, route, client, listener, address, client_gone, arrival, sequence, is_held,
-               is_replaced, answer, header, plan, parts, response, failed, was_on_wire,
+  const auto& [snapshot, route, client, listener, address, client_gone, arrival, deadline, sequence,
+               is_held, is_replaced, answer, header, plan, parts, response, failed, was_on_wire,
                wrong_word_order, had_no_path, ended_as] = exchange;
   require(plan && !is_held && !is_replaced, "a request of a client that is on the bus");
   hash.add(client);

@@ -153,7 +153,8 @@ world::Report drill(std::uint64_t seed, bool trace) {
   constexpr std::array kDrills{drill_silence,  drill_damage,     drill_lateness,   drill_hold,
                                drill_seconds,  drill_room,       drill_turns,      drill_sharing,
                                drill_quiet,    drill_stop_first, drill_stop_fails, drill_reload,
-                               drill_failsafe, drill_noise,      drill_misfits,    drill_stranger};
+                               drill_failsafe, drill_noise,      drill_misfits,    drill_stranger,
+                               drill_crawl};
   Drill drill(seed, 2);
   kDrills.at(seed % kDrills.size())(drill, trace);
   return drill.end();

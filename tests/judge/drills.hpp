@@ -16,6 +16,7 @@ void drill_turns(Drill& drill, bool trace);
 void drill_sharing(Drill& drill, bool trace);
 void drill_quiet(Drill& drill, bool trace);
 void drill_noise(Drill& drill, bool trace);
+void drill_crawl(Drill& drill, bool trace);
 void drill_misfits(Drill& drill, bool trace);
 void drill_stranger(Drill& drill, bool trace);
 void drill_stop_first(Drill& drill, bool trace);

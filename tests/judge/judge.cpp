@@ -58,6 +58,7 @@ void Judge::answered(Id id) {
   if (asked.intent.kind == Kind::own) {
     return;
   }
+  check_overdue(asked);
   if (asked.answer.empty() || (asked.answer[0] & 0x7FU) != (asked.intent.pdu[0] & 0x7FU)) {
     violation("other_function", name(asked));
   } else if (asked.answer[0] >= 0x80) {
@@ -87,7 +88,6 @@ void Judge::sent(Id id) {
   check_waiting(id);
   check_gap(id);
   check_hold(id);
-  check_crawl(id);
   check_half(id);
   if (sent.is_failsafe) {
     check_failsafe(sent);
@@ -113,8 +113,7 @@ bool Judge::is_overfull(Id connection, Instant at) const {
 }
 
 // When the clients leave a minute after the last fault. What a full connection held back is
-// younger. Stops of a storm may still wait, and what waits for their answers: with `ordered`, or
-// where they fill the pipeline.
+// younger. Stops of a storm may still wait, and, with `ordered`, what waits for their answers.
 void Judge::check_answered() {
   const auto waits = [&](const Asked& it) {
     const Connection& connection = ledger_.connections[it.connection];
@@ -128,9 +127,8 @@ void Judge::check_answered() {
     const auto stops = std::ranges::count_if(ledger_.asked, [&](const Asked& it) {
       return it.connection == at && it.intent.kind == Kind::stop && waits(it);
     });
-    const std::size_t room = listener.ordered ? 1 : listener.pipeline;
     if (asked.intent.kind != Kind::stop && !listener.one_at_a_time &&
-        static_cast<std::size_t>(stops) < room && !is_overfull(at, ledger_.rested)) {
+        (stops == 0 || !listener.ordered) && !is_overfull(at, ledger_.rested)) {
       violation("unanswered", name(asked));
     }
   }

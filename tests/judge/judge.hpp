@@ -70,6 +70,7 @@ class Judge : public Witness {
   void check_asked_for(const Sent& sent);
   void check_once(Id id);
   void check_late(Id id);
+  void check_overdue(const Asked& asked);
   void check_gone(Id id);
   void check_stopped(const Sent& sent);
   void check_limits(const Sent& sent);
@@ -100,7 +101,6 @@ class Judge : public Witness {
   void check_waiting(Id id);
   void check_gap(Id id);
   void check_hold(Id id);
-  void check_crawl(Id id);
   void check_half(Id id);
   void check_heard(Id id);
   [[nodiscard]] Duration longest_wait_of(std::size_t station) const;

@@ -16,14 +16,18 @@ constexpr Duration kLateness = 60ms;  // of adapters and drivers
 // be another client's, and ends no wait.
 void Judge::came(std::size_t bus) {
   const Came& came = ledger_.lines[bus].came.back();
-  if (came.answers != kNone && came.ends_wait && !came.is_second) {
+  if (came.is_second) {
+    misfits_.erase(came.answers);  // close behind each other the two may look like one frame
+  } else if (came.answers != kNone && came.ends_wait) {
     misfits_[came.answers] = came.at;
   }
 }
 
-// Nobody can know whose answer it is that comes later than `quarantine_max`, than the answer to a
-// later request, or than the next process listens first. It takes the place of another one, and
-// this that of the next; of the parts of a request any may be wrong. A stop waits for none of them.
+// Nobody can know whose answer it is that comes later than `quarantine_max` (or later than its
+// tail, where it is a misfit that happens to fit the next request, or an adapter kept the request),
+// than the answer to a later request, or than the next process listens first. It takes the place of
+// another one, and this that of the next; of the parts of a request any may be wrong. A stop waits
+// for none of them.
 bool Judge::is_later_than_ever(const Asked& asked, const Came& last) const {
   const std::size_t at = *asked.intent.station;
   const Station& station = plan_.stations[at];
@@ -34,7 +38,7 @@ bool Judge::is_later_than_ever(const Asked& asked, const Came& last) const {
   const LineBook& line = ledger_.lines[station.bus];
   const Duration tail = timing.response_timeout + quarantine_of(timing);
   const bool is_stop = asked.intent.kind == Kind::stop;
-  const Duration most = is_stop ? tail + timing.response_wait + 20ms : timing.quarantine_max;
+  const Duration longest_tail = tail + timing.response_wait + 20ms;
   const Instant heard =
       line.opened + (is_stop ? 0ms : plan_.bus(station.bus).listen_first.value_or(tail));
   Id newest = 0;
@@ -44,6 +48,8 @@ bool Judge::is_later_than_ever(const Asked& asked, const Came& last) const {
     }
     newest = std::max(newest, it.answers);
     const Sent& sent = ledger_.sent[it.answers];
+    const bool was_kept = sent.left != kNever && sent.left > sent.end + 20ms;
+    const Duration most = is_stop || !it.fits || was_kept ? longest_tail : timing.quarantine_max;
     return it.at >= begun && (it.answers < newest || (!it.was_held && it.at > sent.begin + most) ||
                               (sent.process != ledger_.process && it.at > heard));
   });

@@ -123,47 +123,6 @@ void Judge::check_hold(Id id) {
   }
 }
 
-// An answer that has begun is complete after its wire time and 1 s, or its wait is over: the others
-// on the line do not wait longer for it.
-void Judge::check_crawl(Id id) {
-  const Sent& sent = ledger_.sent[id];
-  const LineBook& line = ledger_.lines[sent.bus];
-  if (line.last == kNone || sent.asked.empty() || plan_.driver.stalls || plan_.driver.stops) {
-    return;
-  }
-  const Sent& before = ledger_.sent[line.last];
-  if (before.crawls == kNever || before.opening != sent.opening || !before.expects_answer ||
-      !sent.station) {
-    return;
-  }
-  // A drive that owes answers of its own is left alone for those.
-  const bool owes = before.station != sent.station &&
-                    std::ranges::any_of(ledger_.last_sent[*sent.station], [&](Id it) {
-                      return it != id && ledger_.sent[it].answered > before.begin;
-                    });
-  const drive::DeviceTiming& timing = plan_.timing_of(plan_.stations[*before.station]);
-  const Asked& asked = ledger_.asked[sent.asked.back()];  // others may have ended unanswered
-  Instant from = std::max(
-      {before.crawls, asked.given, ledger_.reloaded, before.end + timing.response_timeout});
-  // Behind others of its connection it may have waited for its turn, or does so till just now.
-  std::size_t ahead = 0;
-  for (const Asked& other : ledger_.asked | std::views::take(sent.asked.back())) {
-    if (other.connection == asked.connection) {
-      from = std::max(from, other.answers > 0 ? other.answered : from);
-      ahead += other.answers > 0 || other.dropped ? 0U : 1U;
-    }
-  }
-  // Its own drive is left alone for the tail besides, and may have shown how long that must be.
-  const Duration tail =
-      before.station == sent.station ? timing.response_timeout + timing.quarantine_max : 0ms;
-  const Duration bound = WireTimes(plan_.bus(sent.bus).line).of(kAsciiFrame) + 1s + tail + 1s;
-  const bool has_turn = ahead < plan_.settings.listeners[door_of(asked).listener].pipeline;
-  if (sent.begin > from + bound && has_turn && !owes) {
-    violation("held_by_a_crawl", name(sent) + " behind " + name(before) + ", after " +
-                                     std::to_string((sent.begin - from) / 1ms) + " ms");
-  }
-}
-
 // Half an answer in the stream at its timeout: what comes on this connection can no more be told
 // apart, so nothing else is asked there.
 void Judge::check_half(Id id) {

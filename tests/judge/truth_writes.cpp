@@ -119,6 +119,30 @@ void Judge::check_late(Id id) {
   }
 }
 
+// What was not begun by its deadline is refused then. The question for the drive's word order is a
+// beginning.
+void Judge::check_overdue(const Asked& asked) {
+  constexpr Duration kLateness = 60ms;
+  const auto& listener = plan_.settings.listeners[door_of(asked).listener];
+  const bool has_deadline = asked.intent.kind == Kind::read || asked.intent.kind == Kind::write;
+  const bool is_slow_machine = plan_.driver.stalls || plan_.driver.stops;
+  if (!has_deadline || !asked.sent.empty() || listener.ordered || is_slow_machine ||
+      ledger_.reloaded >= asked.given ||
+      asked.answered <= asked.given + deadline_of(asked) + kLateness) {
+    return;
+  }
+  const auto is_question = [&](Id id) {
+    return ledger_.sent[id].begin >= asked.given && asks_order(ledger_.sent[id]);
+  };
+  const bool is_begun = asked.intent.station &&
+                        std::ranges::any_of(ledger_.last_sent[*asked.intent.station], is_question);
+  if (!is_begun && !is_overfull(asked.connection, asked.given)) {
+    violation("overdue", name(asked) + ", after " +
+                             std::to_string((asked.answered - asked.given) / 1us) + " us, not " +
+                             std::to_string(deadline_of(asked) / 1us));
+  }
+}
+
 void Judge::check_gone(Id id) {
   const Sent& sent = ledger_.sent[id];
   if (sent.is_stop || sent.is_broadcast || sent.asked.empty()) {

@@ -108,7 +108,8 @@ struct Sent {
   Instant begin{};
   Instant end{};  ///< computed: when its last bit leaves
   // What came of it, in the world:
-  Instant heard = kNever;        ///< its last bit has really left, and nothing came before
+  Instant left = kNever;         ///< its last bit has really left
+  Instant heard = kNever;        ///< likewise, and nothing came before
   Instant done = kNever;         ///< a drive carried it out
   Instant answered = kNever;     ///< a whole fitting answer has reached the kernel
   std::uint32_t exceptions = 0;  ///< that drives answered, each code a bit

@@ -101,8 +101,9 @@ void Line::leave(const Frame& frame) {
   around_.schedule.at(own_end_, [this, epoch = epoch_, sent = frame.sent] {
     if (epoch == epoch_ && !own_damaged_ && !(is_deaf_ && swallows_)) {
       Sent& it = around_.ledger.sent[sent];
+      it.left = around_.schedule.now();
       if (around_.ledger.lines[bus_].heard < it.begin) {
-        it.heard = around_.schedule.now();
+        it.heard = it.left;
       }
       heard(sent);
     }

@@ -228,6 +228,7 @@ void Draw::be_special(Habits& habits, const drive::DeviceTiming& timing) {
     habits.sleeps_every = random_.duration(1s, 20s);
     habits.sleeps_for = random_.duration(100ms, timing.quarantine_max * 9 / 10);
     habits.freezes = true;
+    habits.late = habits.very_late = 0;  // they would come while it is frozen
     habits.quick = std::min<Duration>(habits.quick, 200ms);
   }
 }

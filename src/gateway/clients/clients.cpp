@@ -72,6 +72,7 @@ void Clients::stalled(Instant since) {
 
 void Clients::handle_deadline(Instant now) {
   while (ClientSession* session = sessions_.take_due(now)) {
+    requests_.end_overdue(*session, now);
     switch (session->overdue(now)) {
       case ClientSession::Overdue::within_request:
         actions_.push(
@@ -79,9 +80,7 @@ void Clients::handle_deadline(Instant now) {
         door_.close(*session, now);
         break;
       case ClientSession::Overdue::idle: door_.close(*session, now); break;
-      case ClientSession::Overdue::nothing:
-        sessions_.look_at(*session, session->next_look(now));
-        break;
+      case ClientSession::Overdue::nothing: set_timer(*session, now); break;
     }
   }
 }
@@ -128,7 +127,12 @@ void Clients::serve(ClientSession& session, Instant now) {
     }
   }
   session.note_partial(now);
-  sessions_.look_at(session, session.next_look(now));
+  set_timer(session, now);
+}
+
+void Clients::set_timer(ClientSession& session, Instant now) {
+  const auto look = session.next_look(now);
+  sessions_.look_at(session, bus::earlier(look, requests_.first_deadline(session)));
 }
 
 // The stops that it has sent are still taken.

@@ -54,6 +54,7 @@ class Clients {
 
  private:
   void serve(ClientSession& session, Instant now);
+  void set_timer(ClientSession& session, Instant now);
   void leave(ClientSession& session, Instant now);
 
   const SettingsHistory& settings_;

@@ -109,6 +109,7 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
   }
   place_answer(session, index);
   exchange.arrival = exchange.plan->is_read() ? request.read_at : request.arrival;
+  exchange.deadline = exchanges_.deadline_of(exchange);
   exchange.sequence = rules_.note_accepted(*exchange.plan, origin, now);
   start_or_hold(session, index, request.is_stop, now);
 }
@@ -182,6 +183,24 @@ void Requests::start_held(ClientSession& session, Instant now) {
       exchanges_.refuse(index);
     } else {
       exchanges_.start(index, *session.turns, now);
+    }
+  }
+}
+
+std::optional<Instant> Requests::first_deadline(const ClientSession& session) const {
+  std::optional<Instant> first;
+  for (const std::uint32_t held : session.held) {
+    if (exchanges_[held].is_held) {
+      first = bus::earlier(first, exchanges_[held].deadline);
+    }
+  }
+  return first;
+}
+
+void Requests::end_overdue(const ClientSession& session, Instant now) {
+  for (const std::uint32_t held : session.held) {
+    if (exchanges_[held].is_held && now >= exchanges_[held].deadline) {
+      exchanges_.refuse(held);
     }
   }
 }

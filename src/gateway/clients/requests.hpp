@@ -33,6 +33,10 @@ class Requests {
   void accept(ClientSession& session, Request& request, Instant now);
   /// All jobs of the exchange have ended: answers it.
   void complete(std::uint32_t exchange, Instant now);
+  /// The first deadline of what is held; nothing: nothing is.
+  [[nodiscard]] std::optional<Instant> first_deadline(const ClientSession& session) const;
+  /// Refuses what is held beyond its deadline.
+  void end_overdue(const ClientSession& session, Instant now);
   /// New settings are in force: takes back what waits of the client and may not be asked any more.
   void end_withdrawn(const ClientSession& session, Instant now);
   /// New settings are in force: of what no bus has yet, refuses what would mean something else now.

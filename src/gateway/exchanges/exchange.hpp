@@ -31,6 +31,7 @@ struct Exchange {
   routing::ClientAddress address;
   bool client_gone = false;
   Instant arrival;
+  Instant deadline;            ///< nothing of it is begun afterwards
   std::uint64_t sequence = 0;  ///< of all requests that were accepted
   bool is_held = false;        ///< beyond `pipeline`: no bus has it yet
   bool is_replaced = false;    ///< its client has asked something else: it gets no answer

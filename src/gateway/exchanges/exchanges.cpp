@@ -20,16 +20,9 @@ std::uint32_t Exchanges::open() {
 void Exchanges::start(std::uint32_t index, Turns turns, Instant now) {
   Exchange& exchange = exchanges_[index];
   exchange.is_held = false;
-  const routing::Plan& plan = *exchange.plan;
-  Duration time = time_for(exchange.route->route, plan);
-  const Duration give_up = settings_.settings().listener(exchange.listener).give_up;
-  if (give_up > Duration{0}) {
-    time = std::min(time, give_up);
-  }
-  const Instant deadline = exchange.arrival + time;
-  for (const routing::PlannedTransaction& planned : plan.transactions()) {
+  for (const routing::PlannedTransaction& planned : exchange.plan->transactions()) {
     if (exchange.parts.empty() || exchange.parts.back().bus != planned.bus) {
-      add_job(index, planned.bus, turns, deadline);
+      add_job(index, planned.bus, turns, exchange.deadline);
     }
     bus::Transaction& transaction = exchange.parts.back().job->transactions.emplace_back(
         planned.address, planned.request, planned.silence_is_success, planned.broadcast);
@@ -39,12 +32,15 @@ void Exchanges::start(std::uint32_t index, Turns turns, Instant now) {
   submit(index, now);
 }
 
-Duration Exchanges::time_for(const routing::Route& route, const routing::Plan& plan) const {
-  if (route.deadline) {
-    return *route.deadline;
+Instant Exchanges::deadline_of(const Exchange& exchange) const {
+  const routing::Route& route = exchange.route->route;
+  Duration time = route.deadline.value_or(Duration{0});
+  if (!route.deadline) {
+    const Duration longest = buses_.longest_transaction(route.buses);
+    time = exchange.plan->is_read() ? read_deadline(longest) : write_deadline(longest);
   }
-  const Duration longest = buses_.longest_transaction(route.buses);
-  return plan.is_read() ? read_deadline(longest) : write_deadline(longest);
+  const Duration give_up = settings_.settings().listener(exchange.listener).give_up;
+  return exchange.arrival + (give_up > Duration{0} ? std::min(time, give_up) : time);
 }
 
 bus::Job& Exchanges::add_job(std::uint32_t index, BusId bus, Turns turns, Instant deadline) {

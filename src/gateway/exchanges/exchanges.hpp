@@ -26,6 +26,8 @@ class Exchanges {
   /// A new exchange, with the settings in force. Returns its index.
   std::uint32_t open();
   [[nodiscard]] Exchange& operator[](std::uint32_t index) { return exchanges_[index]; }
+  /// When the time of a request that arrived at `exchange.arrival` is over.
+  [[nodiscard]] Instant deadline_of(const Exchange& exchange) const;
   /// Starts to carry out the plan.
   void start(std::uint32_t index, Turns turns, Instant now);
   /// Ends one that is held: nothing of it was sent.
@@ -59,7 +61,6 @@ class Exchanges {
   void end_changed(const SettingsSnapshot& old);
 
  private:
-  [[nodiscard]] Duration time_for(const routing::Route& route, const routing::Plan& plan) const;
   void end_unsent(const Exchange::Part& part);
 
   SettingsHistory& settings_;

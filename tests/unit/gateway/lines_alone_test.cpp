@@ -42,6 +42,7 @@ class LinesAlone : public testing::Test {
     exchange.header = {1, 1};
     exchange.plan = *routing::Plan::make(*route, 1, {}, *modbus::Pdu::from(unhex("03 0000 0001")));
     exchange.arrival = now;
+    exchanges_[index].deadline = exchanges_.deadline_of(exchanges_[index]);
     exchanges_.start(index, {}, now);
     return index;
   }

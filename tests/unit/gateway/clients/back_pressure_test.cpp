@@ -45,6 +45,25 @@ TEST(Gateway, GivesThePipelineToBusesAndTheRestInItsTurn) {
   EXPECT_THAT(rig.take_sent(1), SizeIs(3));
 }
 
+TEST(Gateway, ARequestBeyondThePipelineGets06AtItsDeadline) {
+  Settings settings = one_bus();
+  settings.listeners[0].pipeline = 1;
+  settings.routes[0].deadline = 50ms;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, read_request(1) + write_request(2));
+  rig.advance(10ms);
+  rig.receive(1, read_request(3));
+  rig.advance(39ms);
+  EXPECT_THAT(rig.take_sent(1), IsEmpty());
+  rig.advance(1ms);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 03 01 86 06"));
+  rig.advance(10ms);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 03 00 00 00 03 01 83 06"));
+  rig.respond("01 03 02 00 01");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 05 01 03 02 00 01"));
+}
+
 TEST(Gateway, AClientThatNeverReadsIsNotReadFurther) {
   MachineRig rig;
   rig.confirms = false;

@@ -18,6 +18,7 @@ class ExchangesAlone : public testing::Test {
     exchanges_[index].route = route;
     exchanges_[index].header = {1, 1};
     exchanges_[index].plan = *routing::Plan::make(*route, 1, {}, *modbus::Pdu::from(unhex(pdu)));
+    exchanges_[index].deadline = exchanges_.deadline_of(exchanges_[index]);
     exchanges_.start(index, {}, {});
     return index;
   }
