@@ -96,4 +96,33 @@ void drill_stop_fails(Drill& drill, bool trace) {
   drill.expect("well", drill.outcome(well) == "ok", drill.outcome(well));
 }
 
+// The echo of a stop by 16 that comes late does not acknowledge the next one, which looks alike.
+void drill_old_echo(Drill& drill, bool trace) {
+  drive::DeviceTiming& timing = drill.timing(0);
+  timing.stop_retries = 0;
+  timing.offline_after = 0;
+  timing.quarantine = 60ms;
+  drill.begin(trace);
+  Client& client = drill.visit(0);
+  Habits& habits = drill.world().habits_of(0);
+  const auto stop = [&](unsigned word) {
+    const Octets pdu{0x10, 0, kStopRegister, 0, 1, 2, 0x50, low(word)};
+    const Id id = drill.ask(client, drill.intent(Kind::stop, 0, pdu), drill.longest(0));
+    for (unsigned more = 0; more < 100 && drill.outcome(id).empty(); ++more) {
+      drill.wait(1ms);
+    }
+    return id;
+  };
+  for (unsigned asked = 1; asked <= 8; ++asked) {
+    habits.late = 1000;
+    const Id late = stop(2 * asked);
+    drill.expect("late", drill.outcome(late) == "0B", drill.outcome(late));
+    habits.deaf = 1000;
+    const Id unheard = stop(2 * asked + 1);
+    drill.expect("unheard", drill.outcome(unheard) == "0B", drill.outcome(unheard));
+    habits.late = habits.deaf = 0;
+    drill.read(client, 0, 2s);
+  }
+}
+
 }  // namespace mbgate::judge

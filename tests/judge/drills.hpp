@@ -21,6 +21,7 @@ void drill_misfits(Drill& drill, bool trace);
 void drill_stranger(Drill& drill, bool trace);
 void drill_stop_first(Drill& drill, bool trace);
 void drill_stop_fails(Drill& drill, bool trace);
+void drill_old_echo(Drill& drill, bool trace);
 void drill_reload(Drill& drill, bool trace);
 void drill_failsafe(Drill& drill, bool trace);
 
