@@ -154,7 +154,7 @@ world::Report drill(std::uint64_t seed, bool trace) {
                                drill_seconds,  drill_room,       drill_turns,      drill_sharing,
                                drill_quiet,    drill_stop_first, drill_stop_fails, drill_reload,
                                drill_failsafe, drill_noise,      drill_misfits,    drill_stranger,
-                               drill_crawl, drill_old_echo};
+                               drill_crawl,    drill_old_echo};
   Drill drill(seed, 2);
   kDrills.at(seed % kDrills.size())(drill, trace);
   return drill.end();

@@ -47,10 +47,6 @@ void check_value(ProfileDraft& draft, std::size_t at) {
   const auto range = draft.file.values[at].value.range();
   auto& entry = draft.value_tables[at];
   const auto& profile = draft.file.profile;
-  drive::RangeList map;
-  for (const auto& mapped : draft.file.map) {
-    map.push_back(mapped.fact);
-  }
   if (overlaps_another(draft, at)) {
     return;
   }
@@ -64,7 +60,7 @@ void check_value(ProfileDraft& draft, std::size_t at) {
     entry.error("table",
                 "with input_as_holding, function 04 reads the holding registers: name it there");
   }
-  if (!map.empty() && !covers(map, range)) {
+  if (!profile.map.empty() && !covers(profile.map, range)) {
     entry.error("register", numbers(draft.file, range) + " are not all in 'map'");
   }
   for (const auto& group : profile.groups) {

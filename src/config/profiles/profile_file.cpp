@@ -214,14 +214,30 @@ void read_lists(ProfileDraft& draft) {
   read_stops(draft);
 }
 
-/// The rules out of what was documented.
-void fill_profile(ProfileFile& file) {
+/// What check_profile() needs of the rules, out of what was documented.
+void fill_rules(ProfileFile& file) {
   auto& profile = file.profile;
   profile.map = facts(file.map);
   profile.groups = facts(file.groups);
   profile.read_only = facts(file.read_only);
   profile.write_only = facts(file.write_only);
   profile.communication = facts(file.communication);
+  for (const auto& slow : file.slow) {
+    profile.slow.push_back(slow.fact);
+  }
+  for (const auto& unanswered : file.unanswered) {
+    profile.unanswered.push_back(unanswered.fact);
+  }
+  for (const auto& stop : file.stops) {
+    profile.stops.push_back(stop.fact);
+  }
+}
+
+void fill_values(ProfileFile& file) {
+  auto& profile = file.profile;
+  for (const auto& guarded : file.guarded) {
+    profile.guarded.push_back(guarded.fact);
+  }
   std::ranges::stable_sort(file.values, [](const ProfileValue& a, const ProfileValue& b) {
     return std::tie(a.value.table, a.value.first) < std::tie(b.value.table, b.value.first);
   });
@@ -231,18 +247,6 @@ void fill_profile(ProfileFile& file) {
       (access == ValueAccess::read ? profile.read_only : profile.write_only)
           .push_back(value.range());
     }
-  }
-  for (const auto& guarded : file.guarded) {
-    profile.guarded.push_back(guarded.fact);
-  }
-  for (const auto& slow : file.slow) {
-    profile.slow.push_back(slow.fact);
-  }
-  for (const auto& unanswered : file.unanswered) {
-    profile.unanswered.push_back(unanswered.fact);
-  }
-  for (const auto& stop : file.stops) {
-    profile.stops.push_back(stop.fact);
   }
 }
 
@@ -259,9 +263,9 @@ LoadedProfile read(TomlDocument document) {
     read_broadcast(draft);
     read_word_order_register(draft);
     read_position_opcodes(draft);
-    draft.file.profile.groups = facts(draft.file.groups);
+    fill_rules(draft.file);
     check_profile(draft);
-    fill_profile(draft.file);
+    fill_values(draft.file);
     loaded.file = std::move(draft.file);
   }
   loaded.diagnostics = document.finish();
