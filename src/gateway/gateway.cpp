@@ -25,30 +25,14 @@ void Gateway::handle(const Input& input, Instant now) {
           if (buses_.is_there(what.bus)) {  // no reload took the line away
             lines_.handle(what, now);
           }
+        } else if constexpr (requires { what.client; }) {
+          clients_.handle(what, now);
         } else {
           on(what, now);
         }
       },
       input);
   settle(now);
-}
-
-void Gateway::on(const ClientConnected& input, Instant now) {
-  clients_.connected(input.client, input.info, now);
-}
-
-void Gateway::on(const ClientBytes& input, Instant now) {
-  clients_.received(input.client, input.bytes, input.unread, now);
-}
-
-void Gateway::on(const ClientSent& input, Instant now) { clients_.sent(input.client, now); }
-
-void Gateway::on(const ClientHalfClosed& input, Instant /*now*/) {
-  clients_.half_closed(input.client);
-}
-
-void Gateway::on(const ClientDisconnected& input, Instant now) {
-  clients_.disconnected(input.client, now);
 }
 
 void Gateway::on(const DeadlineReached& /*input*/, Instant now) {
@@ -114,8 +98,6 @@ void Gateway::set_traced(bool traced) {
   }
   buses_.set_traced(traced);
 }
-
-Status Gateway::status() const { return {clients_.size(), buses_.open_count()}; }
 
 bool Gateway::meets_deadlines(Instant now) const {
   const auto wake = next_wake();

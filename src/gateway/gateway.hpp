@@ -40,7 +40,7 @@ class Gateway {
   [[nodiscard]] std::optional<Wake> next_wake() const;
 
   [[nodiscard]] const Settings& settings() const { return settings_.settings(); }
-  [[nodiscard]] Status status() const;
+  [[nodiscard]] Status status() const { return {clients_.size(), buses_.open_count()}; }
   /// False if what was to be decided at an instant has not been for kOverdue: the driver hangs, or
   /// has forgotten it.
   [[nodiscard]] bool meets_deadlines(Instant now) const;
@@ -55,11 +55,6 @@ class Gateway {
   [[nodiscard]] bool is_open(BusId bus) const { return buses_[bus].link().serves(); }
 
  private:
-  void on(const ClientConnected& input, Instant now);
-  void on(const ClientBytes& input, Instant now);
-  void on(const ClientSent& input, Instant now);
-  void on(const ClientHalfClosed& input, Instant now);
-  void on(const ClientDisconnected& input, Instant now);
   void on(const DeadlineReached& input, Instant now);
   void on(const SettingsChanged& input, Instant now);
   void on(const Stalled& input, Instant now);

@@ -68,15 +68,14 @@ void StateReader::read(const gateway::ClientSession& session, gateway::Gateway& 
                        Hash& hash) {
   // Settings: id, info, key, listener, rights, turns. Told only: speaks_rtu_reported, has_asked,
   // requests, refused. Counts for idle clients only: last_activity. Everything was read and went on
-  // to the bus: partial_since, timer_armed_at, held_requests, waits_since, ran_at.
+  // to the bus: partial_since, timer_at, held_requests, waits_since, ran_at.
   const auto& [input, answers, has_asked, is_closed, is_leaving, speaks_rtu_reported, requests,
-               refused, last_activity, partial_since, timer_armed_at, turns, exchanges,
-               held_requests, id, info, key, listener, rights, paused, half_closed, waits_since,
-               ran_at] = session;
+               refused, last_activity, partial_since, timer_at, turns, exchanges, held_requests, id,
+               info, key, listener, rights, paused, half_closed, waits_since, ran_at] = session;
   // Settings: ordered. Not ordered: first_held.
   const auto& [ordered, open, unsent, held, first_held] = answers;
   require(input.empty() && !session.is_full() && held.empty() && held_requests.empty() &&
-              !waits_since && !partial_since && !timer_armed_at,
+              !waits_since && !partial_since && timer_at == Instant::max(),
           "everything was read and went on to the bus");
   require(listener->idle_timeout == Duration{0}, "idle clients stay");
   require(!is_closed, "closed clients are gone");

@@ -159,7 +159,7 @@ void shares_of_hosts(Figures& table) {
   }
   plan.settings.buses.front().coalesce = false;
   Trial trial(std::move(plan));
-  trial.measure(kRun);
+  trial.measure(kRun / 4);
   unsigned least = ~0U;
   unsigned most = 0;
   for (const auto& [host, count] : trial.meter.good) {
@@ -188,7 +188,7 @@ void time_until_back(Figures& table, unsigned drives, bool was_kept) {
   trial.world.run_for(kDark);
   trial.meter.begin();
   const Instant back = trial.world.now();
-  trial.world.run_for(kRun);
+  trial.world.run_for(10s);
   const Instant all = trial.meter.all_back();
   table.add("(d) " + std::to_string(drives) + " drives are back, all served",
             all == kNever ? "never" : text("after %.2f s", seconds(all - back)), "3 s",
@@ -228,7 +228,7 @@ void hung_under_stops(Figures& table, unsigned clients, bool was_kept) {
     Trial trial(std::move(plan));
     trial.meter.begin();
     trial.world.hang(0);
-    trial.world.run_for(2 * kRun);
+    trial.world.run_for(kRun);
     longest.push_back(trial.meter.without_stop());
   }
   std::ranges::sort(longest);

@@ -164,9 +164,9 @@ class ClientSession {
   std::uint64_t requests = 0;  ///< requests and refusals are counted for displays only
   std::uint64_t refused = 0;   ///< answered with an exception of the gateway's own
   Instant last_activity;
-  std::optional<Instant> partial_since;   ///< an incomplete ADU is at the front of `input`
-  std::optional<Instant> timer_armed_at;  ///< its entry in ClientTimers
-  const Turns* turns = nullptr;           ///< of its address, until it is closed
+  std::optional<Instant> partial_since;  ///< an incomplete ADU is at the front of `input`
+  Instant timer_at = Instant::max();     ///< its timer in Sessions; max(): it has none
+  const Turns* turns = nullptr;          ///< of its address, until it is closed
   boost::container::small_vector<std::uint32_t, 4> exchanges;
   std::deque<std::uint32_t> held;  ///< of these, those beyond `pipeline`, which no bus has yet
 

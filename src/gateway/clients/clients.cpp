@@ -15,38 +15,36 @@ Clients::Clients(const SettingsHistory& settings, BusSet& buses, Exchanges& exch
       requests_(settings, buses, exchanges, rules, failsafe, sessions_, intake_, trace, actions,
                 now) {}
 
-void Clients::connected(ClientId client, const ClientInfo& info, Instant now) {
-  door_.connected(client, info, intake_.phase(), now);
+void Clients::handle(const ClientConnected& input, Instant now) {
+  door_.connected(input.client, input.info, intake_.phase(), now);
 }
 
-void Clients::received(ClientId client, modbus::Bytes bytes, std::size_t unread, Instant now) {
-  ClientSession* session = sessions_.find(client);
+void Clients::handle(const ClientBytes& input, Instant now) {
+  ClientSession* session = sessions_.find(input.client);
   if (session == nullptr) {
     return;
   }
-  if (!bytes.empty()) {
-    session->last_activity = now;
-  }
   if (!session->has_asked) {
-    intake_.notice_rtu(*session, bytes);  // some RTU frames can be read as MBAP
+    intake_.notice_rtu(*session, input.bytes);  // some RTU frames can be read as MBAP
   }
-  const Instant arrival = session->arrival_of(unread, now);
-  if (!bytes.empty()) {
-    session->input.append(bytes, arrival, now);
+  const Instant arrival = session->arrival_of(input.unread, now);
+  if (!input.bytes.empty()) {
+    session->last_activity = now;
+    session->input.append(input.bytes, arrival, now);
   }
   sessions_.wake(*session);
 }
 
-void Clients::sent(ClientId client, Instant now) {
-  if (ClientSession* session = sessions_.find(client)) {
+void Clients::handle(const ClientSent& input, Instant now) {
+  if (ClientSession* session = sessions_.find(input.client)) {
     session->answers.confirm_sent();
     session->last_activity = now;
     sessions_.wake(*session);
   }
 }
 
-void Clients::half_closed(ClientId client) {
-  ClientSession* session = sessions_.find(client);
+void Clients::handle(const ClientHalfClosed& input, Instant /*now*/) {
+  ClientSession* session = sessions_.find(input.client);
   if (session == nullptr) {
     return;
   }
@@ -59,8 +57,8 @@ void Clients::half_closed(ClientId client) {
   sessions_.wake(*session);
 }
 
-void Clients::disconnected(ClientId client, Instant now) {
-  if (ClientSession* session = sessions_.find(client)) {
+void Clients::handle(const ClientDisconnected& input, Instant now) {
+  if (ClientSession* session = sessions_.find(input.client)) {
     leave(*session, now);
     door_.forget(*session, now);
   }

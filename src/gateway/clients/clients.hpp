@@ -14,6 +14,7 @@
 
 #include "gateway/clients/client_admission.hpp"
 #include "gateway/clients/requests.hpp"
+#include "gateway/input.hpp"
 
 namespace mbgate::gateway {
 
@@ -22,11 +23,11 @@ class Clients {
   Clients(const SettingsHistory& settings, BusSet& buses, Exchanges& exchanges, WriteRules& rules,
           FailsafeWrites& failsafe, TraceBook& trace, ActionQueue& actions, Instant now);
 
-  void connected(ClientId client, const ClientInfo& info, Instant now);
-  void received(ClientId client, modbus::Bytes bytes, std::size_t unread, Instant now);
-  void sent(ClientId client, Instant now);
-  void half_closed(ClientId client);
-  void disconnected(ClientId client, Instant now);
+  void handle(const ClientConnected& input, Instant now);
+  void handle(const ClientBytes& input, Instant now);
+  void handle(const ClientSent& input, Instant now);
+  void handle(const ClientHalfClosed& input, Instant now);
+  void handle(const ClientDisconnected& input, Instant now);
   /// Nothing was read since then, though nobody had paused it.
   void stalled(Instant since);
   /// Closes clients whose timeout has passed.

@@ -35,7 +35,7 @@ const routing::ClientAddress* Sessions::address_of(bus::FairnessKey key) const {
 void Sessions::close(ClientSession& session) {
   session.is_closed = true;
   closed_.push_back(session.id());
-  timers_.cancel(session.id(), session.timer_armed_at);
+  timers_.erase({session.timer_at, session.id()});
   --on(session.info().listener);
   const auto address = addresses_.find(session.key());
   if (--address->second.connections == 0) {
@@ -64,19 +64,19 @@ ClientSession* Sessions::take_ready() {
 }
 
 void Sessions::look_at(ClientSession& session, std::optional<Instant> at) {
-  if (at && (!session.timer_armed_at || *at < *session.timer_armed_at)) {
-    timers_.set(session.id(), session.timer_armed_at, *at);
-    session.timer_armed_at = at;
+  if (at && *at < session.timer_at) {
+    timers_.erase({session.timer_at, session.id()});
+    timers_.emplace(*at, session.id());
+    session.timer_at = *at;
   }
 }
 
 ClientSession* Sessions::take_due(Instant now) {
-  const auto client = timers_.take_due(now);
-  if (!client) {
+  if (timers_.empty() || timers_.begin()->first > now) {
     return nullptr;
   }
-  ClientSession& session = sessions_.at(*client);
-  session.timer_armed_at.reset();
+  ClientSession& session = sessions_.at(timers_.extract(timers_.begin()).value().second);
+  session.timer_at = Instant::max();
   return &session;
 }
 

@@ -52,36 +52,6 @@ struct ListenerCounters {
   }
 };
 
-// When a client must be checked next (idle timeout, incomplete request). One entry for each client;
-// one that is checked too early is entered again.
-
-class ClientTimers {
- public:
-  /// Sets the client's time, in place of the one that it had (`before`).
-  void set(ClientId client, std::optional<Instant> before, Instant at) {
-    cancel(client, before);
-    entries_.emplace(at, client);
-  }
-  void cancel(ClientId client, std::optional<Instant> before) {
-    if (before) {
-      entries_.erase({*before, client});
-    }
-  }
-  [[nodiscard]] std::optional<Instant> next() const {
-    return entries_.empty() ? std::nullopt : std::optional(entries_.begin()->first);
-  }
-  /// Removes and returns a client whose time has come; nothing if there is none.
-  std::optional<ClientId> take_due(Instant now) {
-    if (entries_.empty() || entries_.begin()->first > now) {
-      return std::nullopt;
-    }
-    return entries_.extract(entries_.begin()).value().second;
-  }
-
- private:
-  std::set<std::pair<Instant, ClientId>> entries_;
-};
-
 class Sessions {
  public:
   explicit Sessions(const Settings& settings)
@@ -116,7 +86,9 @@ class Sessions {
 
   /// The client is to be checked at this instant, or before.
   void look_at(ClientSession& session, std::optional<Instant> at);
-  [[nodiscard]] std::optional<Instant> next_look() const { return timers_.next(); }
+  [[nodiscard]] std::optional<Instant> next_look() const {
+    return timers_.empty() ? std::nullopt : std::optional(timers_.begin()->first);
+  }
   /// A client whose time has come; nullptr if there is none.
   ClientSession* take_due(Instant now);
 
@@ -152,7 +124,7 @@ class Sessions {
   std::unordered_map<ClientId, ClientSession> sessions_;
   std::vector<ClientId> closed_;
   std::vector<ClientId> ready_;
-  ClientTimers timers_;
+  std::set<std::pair<Instant, ClientId>> timers_;  // one for each client that has one
   std::vector<std::size_t> on_listener_;
   std::vector<ListenerCounters> counters_;
   std::map<ClientKey, Address> addresses_;

@@ -15,7 +15,8 @@ class ClientsAlone : public testing::Test {
  protected:
   ClientsAlone() { buses_.touch(BusId{0}).handle_opened(now_, bus::LineKind::virtual_line); }
   void receive(std::string_view bytes) {
-    clients_.received(ClientId{1}, unhex(bytes), 0, now_);
+    const auto octets = unhex(bytes);
+    clients_.handle(gateway::ClientBytes{ClientId{1}, octets}, now_);
     while (clients_.serve_one(now_)) {
     }
   }
@@ -42,14 +43,14 @@ class ClientsAlone : public testing::Test {
 };
 
 TEST_F(ClientsAlone, AnswerWhatNeedsNoBus) {
-  clients_.connected(ClientId{1}, info_of("192.0.2.1"), now_);
+  clients_.handle(gateway::ClientConnected{ClientId{1}, info_of("192.0.2.1")}, now_);
   receive("0001 0000 0006 FA 03 0000 0001");
   EXPECT_THAT(sent(), ElementsAre("00 01 00 00 00 03 FA 83 0A"));
   EXPECT_EQ(clients_.counters().requests, 1U);
 }
 
 TEST_F(ClientsAlone, AreAnsweredWhenTheJobsOfTheirRequestHaveEnded) {
-  clients_.connected(ClientId{1}, info_of("192.0.2.1"), now_);
+  clients_.handle(gateway::ClientConnected{ClientId{1}, info_of("192.0.2.1")}, now_);
   receive("0001 0000 0006 01 03 0000 0001");
   bus::Job& job = *exchanges_[0].parts.front().job;
   buses_.touch(BusId{0}).withdraw(job);
@@ -59,9 +60,9 @@ TEST_F(ClientsAlone, AreAnsweredWhenTheJobsOfTheirRequestHaveEnded) {
 }
 
 TEST_F(ClientsAlone, GetNothingOnceTheyAreGone) {
-  clients_.connected(ClientId{1}, info_of("192.0.2.1"), now_);
+  clients_.handle(gateway::ClientConnected{ClientId{1}, info_of("192.0.2.1")}, now_);
   receive("0001 0000 0006 01 03 0000 0001");
-  clients_.disconnected(ClientId{1}, now_);
+  clients_.handle(gateway::ClientDisconnected{ClientId{1}}, now_);
   EXPECT_EQ(clients_.size(), 0U);
   clients_.sweep();
   if (const auto index = exchanges_.take_completed()) {
