@@ -85,6 +85,27 @@ void take_serial(SerialWords& words, Options& options) {
   options.text = serial_config(words.options);
 }
 
+/// A basic string of TOML 1.0.0. A path can hold any byte but 0; what is no UTF-8 is refused when
+/// the text is loaded.
+std::string toml_string(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char byte : text) {
+    const auto code = static_cast<unsigned char>(byte);
+    if (byte == '"' || byte == '\\') {
+      (quoted += '\\') += byte;
+    } else if (code < 0x20U || code == 0x7FU) {
+      quoted += fmt::format("\\u{:04X}", code);
+    } else {
+      quoted += byte;
+    }
+  }
+  return quoted + '"';
+}
+
+std::string allow_line(const std::vector<std::string>& allow) {
+  return allow.empty() ? "" : fmt::format("allow = [{}]\n", joined(allow, toml_string));
+}
+
 }  // namespace
 
 std::variant<Options, int> parse_command_line(int argc, const char* const* argv,
@@ -138,31 +159,6 @@ std::variant<Options, int> parse_command_line(int argc, const char* const* argv,
   }
   return options;
 }
-
-namespace {
-
-/// A basic string of TOML 1.0.0. A path can hold any byte but 0; what is no UTF-8 is refused when
-/// the text is loaded.
-std::string toml_string(std::string_view text) {
-  std::string quoted = "\"";
-  for (const char byte : text) {
-    const auto code = static_cast<unsigned char>(byte);
-    if (byte == '"' || byte == '\\') {
-      (quoted += '\\') += byte;
-    } else if (code < 0x20U || code == 0x7FU) {
-      quoted += fmt::format("\\u{:04X}", code);
-    } else {
-      quoted += byte;
-    }
-  }
-  return quoted + '"';
-}
-
-std::string allow_line(const std::vector<std::string>& allow) {
-  return allow.empty() ? "" : fmt::format("allow = [{}]\n", joined(allow, toml_string));
-}
-
-}  // namespace
 
 Result<ListenAddress, std::string> parse_listen(std::string_view text,
                                                 const std::vector<std::string>& allow) {

@@ -186,6 +186,13 @@ int say_who(const config::Loaded& loaded, const WhoOptions& who) {
   return answers->any_permitted ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
+void change_mask(int how) {
+  sigset_t held;
+  sigemptyset(&held);
+  sigaddset(&held, SIGHUP);
+  ::pthread_sigmask(how, &held, nullptr);
+}
+
 }  // namespace
 
 int run_mbgated(int argc, const char* const* argv, const std::string& version) {
@@ -225,17 +232,6 @@ int run_mbgated(int argc, const char* const* argv, const std::string& version) {
   }
   return serve(std::move(configuration), options, version, std::move(recording));
 }
-
-namespace {
-
-void change_mask(int how) {
-  sigset_t held;
-  sigemptyset(&held);
-  sigaddset(&held, SIGHUP);
-  ::pthread_sigmask(how, &held, nullptr);
-}
-
-}  // namespace
 
 void hold_signals() {
   for (const int ignored : {SIGPIPE, SIGUSR1, SIGUSR2, SIGXFSZ}) {

@@ -16,6 +16,11 @@ namespace {
 template <typename Value>
 using Allocated = std::unique_ptr<Value, void (*)(void*)>;
 
+/// Part of the limit after which a gateway that was not well is looked at again. After a process
+/// was stopped and continued, this may be called before the driver that catches up: that must not
+/// cost half of the limit.
+constexpr int kLooksAgain = 10;
+
 }  // namespace
 
 std::vector<InheritedSocket> take_inherited_sockets() {
@@ -67,15 +72,6 @@ bool store_socket(const std::string& name, int socket) {
 void remove_stored_socket(const std::string& name) {
   ::sd_notify(0, ("FDSTOREREMOVE=1\nFDNAME=" + name).c_str());
 }
-
-namespace {
-
-/// Part of the limit after which a gateway that was not well is looked at again. After a process
-/// was stopped and continued, this may be called before the driver that catches up: that must not
-/// cost half of the limit.
-constexpr int kLooksAgain = 10;
-
-}  // namespace
 
 Watchdog::Watchdog(boost::asio::io_context& context, std::function<bool()> is_well,
                    std::function<void()> feed)

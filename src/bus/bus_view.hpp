@@ -3,6 +3,9 @@
 // transmissions on the wire, the state of the line. It must not outlive the bus.
 #pragma once
 
+#include <algorithm>
+#include <bitset>
+
 #include "bus/parts.hpp"
 
 namespace mbgate::bus {
@@ -19,11 +22,30 @@ class BusView {
   /// Requests that wait, stops among them.
   [[nodiscard]] std::size_t waiting() const { return parts_.queue.size() + parts_.stops.size(); }
   /// The client address of which the most requests wait for the line, and not for their device.
-  [[nodiscard]] std::optional<BusQueue::Most> most_waiting(Instant now) const;
+  [[nodiscard]] std::optional<BusQueue::Most> most_waiting(Instant now) const {
+    if (parts_.queue.size() == 0) {
+      return std::nullopt;
+    }
+    std::bitset<kAddresses> held;
+    for (std::size_t address = 0; address < kAddresses; ++address) {
+      const auto number = static_cast<std::uint8_t>(address);
+      const DeviceEntry& entry = parts_.devices[number];
+      held[address] =
+          entry.health.is_offline() || entry.free_at > now || held_back(number, now) > Duration{0};
+    }
+    return parts_.queue.most_waiting(held);
+  }
   /// How long the request has waited that waits longest, stops apart.
-  [[nodiscard]] Duration longest_waiting(Instant now) const;
+  [[nodiscard]] Duration longest_waiting(Instant now) const {
+    const auto oldest = parts_.queue.oldest();
+    return oldest ? std::max(now - *oldest, Duration{0}) : Duration{0};
+  }
   /// How long the device at the address is still left alone because it owes an answer.
-  [[nodiscard]] Duration held_back(std::uint8_t address, Instant now) const;
+  [[nodiscard]] Duration held_back(std::uint8_t address, Instant now) const {
+    const DeviceEntry& entry = parts_.devices[address];
+    const Instant until = entry.hold.until(entry.in_force());
+    return parts_.quarantines() && until > now ? until - now : Duration{0};
+  }
 
  private:
   const Parts& parts_;

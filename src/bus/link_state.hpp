@@ -7,6 +7,7 @@
 // is a request for it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 
@@ -45,22 +46,48 @@ class LinkState {
     return now - opened_at_ < settings.reopen_max;
   }
 
-  void note_opened(Instant now);
+  void note_opened(Instant now) {
+    state_ = State::open;
+    opened_at_ = now;
+    reopen_at_.reset();
+  }
   /// Schedules the next attempt.
-  void note_lost(const BusSettings& settings, Instant now);
+  void note_lost(const BusSettings& settings, Instant now) {
+    if (is_open() && !is_new(settings, now)) {
+      // A line that dies as soon as it is open gets no such favour.
+      delay_ = settings.reopen_min;
+    }
+    state_ = State::closed;
+    reopen_at_ = now + delay_;
+    delay_ = std::min(2 * delay_, settings.reopen_max);
+  }
   /// The server has closed the connection. `answered`: after an answer, so the delay starts from
   /// `reopen_min` again.
-  void rest(const BusSettings& settings, bool answered);
+  void rest(const BusSettings& settings, bool answered) {
+    state_ = State::resting;
+    delay_ = answered ? settings.reopen_min : delay_;
+  }
   /// An adapter hangs: it is being closed and opened again.
   void restart() { state_ = State::reopening; }
   /// After rest(): an attempt to open it runs.
   void wake() { state_ = State::waking; }
   /// A stop waits: the next attempt is due now, but no sooner than `reopen_min` after the last one.
-  void hurry(const BusSettings& settings, Instant now);
+  void hurry(const BusSettings& settings, Instant now) {
+    if (reopen_at_) {
+      reopen_at_ = std::min(*reopen_at_, std::max(now, tried_at_ + settings.reopen_min));
+    }
+  }
   /// No attempt to open it is scheduled any more.
   void stop() { reopen_at_.reset(); }
   /// Is an attempt due? True once for each attempt.
-  bool take_due(Instant now);
+  bool take_due(Instant now) {
+    if (!reopen_at_ || now < *reopen_at_) {
+      return false;
+    }
+    reopen_at_.reset();
+    tried_at_ = now;
+    return true;
+  }
   [[nodiscard]] std::optional<Instant> next_attempt() const { return reopen_at_; }
 
  private:

@@ -66,27 +66,6 @@ std::string waits_text(const gateway::Settings& settings) {
   return text;
 }
 
-}  // namespace
-
-std::string check_summary(const gateway::Settings& settings) {
-  std::string text = fmt::format("configuration ok: {}, {}, {}, {}",
-                                 counted(settings.listeners.size(), "listener", "listeners"),
-                                 counted(settings.buses.size(), "bus", "buses"),
-                                 counted(settings.devices.size(), "device", "devices"),
-                                 counted(settings.routes.size(), "route", "routes"));
-  if (!settings.rules.empty()) {
-    text += fmt::format("\n{}", rules_text(settings));
-  }
-  text += units_text(settings);
-  text += waits_text(settings);
-  for (const auto& need : needs(settings)) {
-    text += fmt::format("\n{}", need);
-  }
-  return text;
-}
-
-namespace {
-
 /// Below it a port takes a privilege, unless the machine says otherwise
 /// (ip_unprivileged_port_start).
 constexpr std::uint16_t kFirstFreePort = 1024;
@@ -145,6 +124,23 @@ void add_lines(const gateway::Settings& settings, std::vector<std::string>& foun
 }
 
 }  // namespace
+
+std::string check_summary(const gateway::Settings& settings) {
+  std::string text = fmt::format("configuration ok: {}, {}, {}, {}",
+                                 counted(settings.listeners.size(), "listener", "listeners"),
+                                 counted(settings.buses.size(), "bus", "buses"),
+                                 counted(settings.devices.size(), "device", "devices"),
+                                 counted(settings.routes.size(), "route", "routes"));
+  if (!settings.rules.empty()) {
+    text += fmt::format("\n{}", rules_text(settings));
+  }
+  text += units_text(settings);
+  text += waits_text(settings);
+  for (const auto& need : needs(settings)) {
+    text += fmt::format("\n{}", need);
+  }
+  return text;
+}
 
 std::vector<std::string> needs(const gateway::Settings& settings) {
   std::vector<std::string> found;

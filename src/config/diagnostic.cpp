@@ -38,6 +38,17 @@ std::string caret_indent(std::string_view line, std::uint32_t column) {
   return indent;
 }
 
+std::string place_of_key(const Draft& draft, TomlTable& table, std::string_view key) {
+  return table.has(key) ? line_of(draft, table.value_position(key)) : std::string();
+}
+
+RoutePlaces places_of_route(const Draft& draft, TomlTable& table) {
+  auto windows = table.tables("registers");
+  return {line_of(draft, table.value_position("access")),
+          line_of(draft, table.value_position("functions")),
+          line_of(draft, windows.empty() ? table.position() : windows.front().position())};
+}
+
 }  // namespace
 
 std::string headline(const Diagnostic& diagnostic) {
@@ -71,21 +82,6 @@ bool has_errors(const std::vector<Diagnostic>& diagnostics) {
     return diagnostic.severity == Severity::error;
   });
 }
-
-namespace {
-
-std::string place_of_key(const Draft& draft, TomlTable& table, std::string_view key) {
-  return table.has(key) ? line_of(draft, table.value_position(key)) : std::string();
-}
-
-RoutePlaces places_of_route(const Draft& draft, TomlTable& table) {
-  auto windows = table.tables("registers");
-  return {line_of(draft, table.value_position("access")),
-          line_of(draft, table.value_position("functions")),
-          line_of(draft, windows.empty() ? table.position() : windows.front().position())};
-}
-
-}  // namespace
 
 KeyPlaces find_key_places(Draft& draft) {
   KeyPlaces places;

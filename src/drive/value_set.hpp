@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "drive/register_range.hpp"
@@ -23,12 +24,32 @@ struct Value {
 class ValueSet {
  public:
   /// False, and nothing changed, if it overlaps a value that is there.
-  bool add(const Value& value);
+  bool add(const Value& value) {
+    if (any_in(value.range())) {
+      return false;
+    }
+    const auto before = [](const Value& a, const Value& b) {
+      return std::tie(a.table, a.first) < std::tie(b.table, b.first);
+    };
+    values_.insert(std::ranges::upper_bound(values_, value, before), value);
+    return true;
+  }
   /// The value that the register belongs to; nullptr if it belongs to none.
-  [[nodiscard]] const Value* at(modbus::Table table, std::uint32_t address) const;
+  [[nodiscard]] const Value* at(modbus::Table table, std::uint32_t address) const {
+    const Value* value = from(table, address);
+    return value != nullptr && value->first <= address ? value : nullptr;
+  }
   /// The first value with a register at `address` or behind it; nullptr if there is none.
-  [[nodiscard]] const Value* from(modbus::Table table, std::uint32_t address) const;
-  [[nodiscard]] bool any_in(const TableRange& range) const;
+  [[nodiscard]] const Value* from(modbus::Table table, std::uint32_t address) const {
+    const auto found = std::ranges::partition_point(values_, [&](const Value& value) {
+      return value.table < table || (value.table == table && value.end() <= address);
+    });
+    return found == values_.end() || found->table != table ? nullptr : &*found;
+  }
+  [[nodiscard]] bool any_in(const TableRange& range) const {
+    const Value* value = from(range.table, range.first);
+    return value != nullptr && value->first < end_of(range);
+  }
   [[nodiscard]] const std::vector<Value>& all() const { return values_; }
   friend bool operator==(const ValueSet&, const ValueSet&) = default;
 

@@ -11,28 +11,6 @@
 
 namespace mbgate::modbus {
 
-enum class FunctionCode : std::uint8_t {
-  read_coils = 0x01,
-  read_discrete_inputs = 0x02,
-  read_holding_registers = 0x03,
-  read_input_registers = 0x04,
-  write_single_coil = 0x05,
-  write_single_register = 0x06,
-  read_exception_status = 0x07,
-  diagnostics = 0x08,
-  get_comm_event_counter = 0x0B,
-  get_comm_event_log = 0x0C,
-  write_multiple_coils = 0x0F,
-  write_multiple_registers = 0x10,
-  report_server_id = 0x11,
-  read_file_record = 0x14,
-  write_file_record = 0x15,
-  mask_write_register = 0x16,
-  read_write_multiple_registers = 0x17,
-  read_fifo_queue = 0x18,
-  encapsulated_interface = 0x2B
-};
-
 inline constexpr std::uint8_t kExceptionBit = 0x80;
 inline constexpr std::uint8_t kReadDeviceIdentification = 0x0E;  ///< MEI type of function 43 (6.21)
 

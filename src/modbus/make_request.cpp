@@ -8,7 +8,7 @@ namespace {
 
 class PduWriter {
  public:
-  explicit PduWriter(FunctionCode function) { add(static_cast<std::uint8_t>(function)); }
+  explicit PduWriter(std::uint8_t function) { add(function); }
   PduWriter& add(std::uint8_t byte) {
     bytes_.push_back(byte);
     return *this;
@@ -33,14 +33,14 @@ class PduWriter {
   boost::container::static_vector<std::uint8_t, kMaxPduSize> bytes_;
 };
 
-FunctionCode read_function(Table table) {
+std::uint8_t read_function(Table table) {
   switch (table) {
-    case Table::coils: return FunctionCode::read_coils;
-    case Table::discrete_inputs: return FunctionCode::read_discrete_inputs;
-    case Table::holding_registers: return FunctionCode::read_holding_registers;
-    case Table::input_registers: return FunctionCode::read_input_registers;
+    case Table::coils: return 1;
+    case Table::discrete_inputs: return 2;
+    case Table::holding_registers: return 3;
+    case Table::input_registers: return 4;
   }
-  return FunctionCode::read_holding_registers;
+  return 3;
 }
 
 }  // namespace
@@ -50,23 +50,15 @@ Request make_read(const TableRange& range) {
 }
 
 Request make_single_write(Table table, std::uint16_t address, std::uint16_t value) {
-  const auto function =
-      table == Table::coils ? FunctionCode::write_single_coil : FunctionCode::write_single_register;
-  return PduWriter(function).add16(address).add16(value).request();
+  return PduWriter(table == Table::coils ? 5 : 6).add16(address).add16(value).request();
 }
 
 Request make_multiple_write(const TableRange& range, Bytes data) {
-  const auto function = range.table == Table::coils ? FunctionCode::write_multiple_coils
-                                                    : FunctionCode::write_multiple_registers;
-  return PduWriter(function).add(range).add_counted(data).request();
+  return PduWriter(range.table == Table::coils ? 15 : 16).add(range).add_counted(data).request();
 }
 
 Request make_read_write(const TableRange& read, const TableRange& write, Bytes data) {
-  return PduWriter(FunctionCode::read_write_multiple_registers)
-      .add(read)
-      .add(write)
-      .add_counted(data)
-      .request();
+  return PduWriter(23).add(read).add(write).add_counted(data).request();
 }
 
 }  // namespace mbgate::modbus

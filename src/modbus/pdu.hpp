@@ -17,9 +17,18 @@ inline constexpr std::size_t kMaxPduSize = 253;
 class Pdu {
  public:
   /// A copy of `bytes`; nothing if there are none or more than 253.
-  static std::optional<Pdu> from(Bytes bytes);
+  static std::optional<Pdu> from(Bytes bytes) {
+    if (bytes.empty() || bytes.size() > kMaxPduSize) {
+      return std::nullopt;
+    }
+    return Pdu(bytes);
+  }
   /// The exception response to a request with `function`.
-  static Pdu exception(std::uint8_t function, ExceptionCode code);
+  static Pdu exception(std::uint8_t function, ExceptionCode code) {
+    const std::array<std::uint8_t, 2> bytes{static_cast<std::uint8_t>(function | kExceptionBit),
+                                            static_cast<std::uint8_t>(code)};
+    return Pdu(bytes);
+  }
   Pdu(const Pdu& other) : Pdu(other.bytes()) {}
   Pdu& operator=(const Pdu& other) {
     assign(other.bytes());

@@ -14,9 +14,35 @@ namespace {
 /// identification (08, 43) do not, though they are no reads in every form.
 bool may_move(std::uint8_t function) {
   return modbus::is_request_function(function) && !modbus::is_read({&function, 1}) &&
-         function != static_cast<std::uint8_t>(modbus::FunctionCode::diagnostics) &&
-         function != static_cast<std::uint8_t>(modbus::FunctionCode::encapsulated_interface);
+         function != 8 && function != 43;
 }
+
+using modbus::ExceptionCode;
+using modbus::Table;
+using modbus::TableRange;
+
+bool lies_within(const AddressWindow& window, const TableRange& range) {
+  return range.table == window.table && range.first >= window.from &&
+         drive::end_of(range) <= std::uint32_t{window.from} + window.count;
+}
+
+const AddressWindow* find(std::span<const AddressWindow> windows, const TableRange& range) {
+  const auto window = std::ranges::find_if(
+      windows, [&](const AddressWindow& it) { return lies_within(it, range); });
+  return window == windows.end() ? nullptr : &*window;
+}
+
+std::optional<TableRange> moved(std::span<const AddressWindow> windows, const TableRange& range) {
+  const AddressWindow* window = find(windows, range);
+  if (window == nullptr) {
+    return std::nullopt;
+  }
+  return TableRange{window->to_table,
+                    static_cast<std::uint16_t>(range.first - window->from + window->to),
+                    range.count};
+}
+
+bool is_writable(Table table) { return table == Table::coils || table == Table::holding_registers; }
 
 }  // namespace
 
@@ -55,37 +81,6 @@ bool Route::leads_to(const drive::Device& server) const {
          (server.has_every_unit || (server.address >= first_address &&
                                     server.address - first_address <= last_unit - first_unit));
 }
-
-namespace {
-
-using modbus::ExceptionCode;
-using modbus::Table;
-using modbus::TableRange;
-
-bool lies_within(const AddressWindow& window, const TableRange& range) {
-  return range.table == window.table && range.first >= window.from &&
-         drive::end_of(range) <= std::uint32_t{window.from} + window.count;
-}
-
-const AddressWindow* find(std::span<const AddressWindow> windows, const TableRange& range) {
-  const auto window = std::ranges::find_if(
-      windows, [&](const AddressWindow& it) { return lies_within(it, range); });
-  return window == windows.end() ? nullptr : &*window;
-}
-
-std::optional<TableRange> moved(std::span<const AddressWindow> windows, const TableRange& range) {
-  const AddressWindow* window = find(windows, range);
-  if (window == nullptr) {
-    return std::nullopt;
-  }
-  return TableRange{window->to_table,
-                    static_cast<std::uint16_t>(range.first - window->from + window->to),
-                    range.count};
-}
-
-bool is_writable(Table table) { return table == Table::coils || table == Table::holding_registers; }
-
-}  // namespace
 
 Result<modbus::Request, ExceptionCode> through_windows(std::span<const AddressWindow> windows,
                                                        const modbus::Request& request) {

@@ -72,6 +72,30 @@ ClientAddress address_of(const tcp::endpoint& peer) {
   return ClientAddress(v6.to_bytes());
 }
 
+using boost::asio::local::stream_protocol;
+
+constexpr mode_t kOwnerAndGroup = 0660;
+constexpr int kBacklog = 64;
+
+std::string sentence(const std::string& path, const std::string& why) {
+  return fmt::format("control socket {}: {}; mbgatectl status, reload and events do not work", path,
+                     why);
+}
+
+// Only a socket that nobody listens on any more refuses. Whatever else comes of it, somebody has
+// it.
+bool is_left_over(boost::asio::io_context& context, const stream_protocol::endpoint& endpoint) {
+  stream_protocol::socket probe(context, endpoint.protocol());
+  probe.native_non_blocking(true);
+  const auto* const address = endpoint.data();
+  return ::connect(probe.native_handle(), address, static_cast<socklen_t>(endpoint.size())) != 0 &&
+         errno == ECONNREFUSED;
+}
+
+/// What the kernel says where a user is none of those that the service may see (PrivateUsers= of
+/// its unit): kernel.overflowuid, which nobody changes.
+constexpr uid_t kHiddenUser = 65534;
+
 }  // namespace
 
 ControlDoors::ControlDoors(const std::shared_ptr<asio::io_context>& home, Enter enter,
@@ -202,30 +226,6 @@ void ControlDoors::refuse(tcp::socket socket, const ClientAddress& address) {
   }
 }
 
-namespace {
-
-using boost::asio::local::stream_protocol;
-
-constexpr mode_t kOwnerAndGroup = 0660;
-constexpr int kBacklog = 64;
-
-std::string sentence(const std::string& path, const std::string& why) {
-  return fmt::format("control socket {}: {}; mbgatectl status, reload and events do not work", path,
-                     why);
-}
-
-// Only a socket that nobody listens on any more refuses. Whatever else comes of it, somebody has
-// it.
-bool is_left_over(boost::asio::io_context& context, const stream_protocol::endpoint& endpoint) {
-  stream_protocol::socket probe(context, endpoint.protocol());
-  probe.native_non_blocking(true);
-  const auto* const address = endpoint.data();
-  return ::connect(probe.native_handle(), address, static_cast<socklen_t>(endpoint.size())) != 0 &&
-         errno == ECONNREFUSED;
-}
-
-}  // namespace
-
 Result<stream_protocol::acceptor, std::string> open_control_socket(boost::asio::io_context& context,
                                                                    const std::string& path) {
   // As long as the kernel takes them, without the final zero.
@@ -261,14 +261,6 @@ Result<stream_protocol::acceptor, std::string> open_control_socket(boost::asio::
   }
   return acceptor;
 }
-
-namespace {
-
-/// What the kernel says where a user is none of those that the service may see (PrivateUsers= of
-/// its unit): kernel.overflowuid, which nobody changes.
-constexpr uid_t kHiddenUser = 65534;
-
-}  // namespace
 
 Asker asker_of(const routing::ClientAddress& address) {
   return {address.counted_as().to_text(), address.to_text()};

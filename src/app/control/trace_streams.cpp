@@ -14,6 +14,9 @@ namespace {
 /// So much is written at a time.
 constexpr std::size_t kPiece = 65536;
 
+/// An operator sees no delay, and a busy bus has some ten transactions meanwhile.
+constexpr std::chrono::milliseconds kBringInterval{50};
+
 }  // namespace
 
 TraceStreams::TraceStreams(Switch set_traced) { subscribers_->set_traced = std::move(set_traced); }
@@ -80,13 +83,6 @@ std::string TraceStreams::next_text(const TraceFilter& filter, std::uint64_t& la
   }
   return text;
 }
-
-namespace {
-
-/// An operator sees no delay, and a busy bus has some ten transactions meanwhile.
-constexpr std::chrono::milliseconds kBringInterval{50};
-
-}  // namespace
 
 TraceFeed::TraceFeed(boost::asio::io_context& gateway, ControlTarget& target, HasRoom has_room,
                      Deliver deliver)

@@ -168,14 +168,6 @@ struct Topics {
   Topic operator()(const ClientLoggedIn& e) const { return of_asker(kClientLoggedIn, e); }
 };
 
-}  // namespace
-
-Topic topic_of(const gateway::Event& event, const gateway::Settings& settings) {
-  return std::visit(Topics{settings}, event);
-}
-
-namespace {
-
 template <typename Kind, typename... Kinds>
 constexpr bool kIsOneOf = (std::is_same_v<Kind, Kinds> || ...);
 
@@ -217,6 +209,10 @@ bool is_limited_already(const gateway::Event& event) {
 }
 
 }  // namespace
+
+Topic topic_of(const gateway::Event& event, const gateway::Settings& settings) {
+  return std::visit(Topics{settings}, event);
+}
 
 Level level_of(const gateway::Event& event) {
   const bool is_ordinary = std::visit(

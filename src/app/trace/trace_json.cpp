@@ -109,37 +109,6 @@ void add_asked(object& json, const AskedTrace& asked, const Clock& clock) {
   json["targets"] = std::move(targets);
 }
 
-}  // namespace
-
-const char* trace_kind(const gateway::TraceRecord& record) {
-  if (record.asked) {
-    return "transaction";
-  }
-  const bool is_heard = record.wire.front().outcome == WireTrace::Outcome::unasked;
-  return is_heard ? "heard" : "frame";
-}
-
-object trace_json(const gateway::TraceRecord& record, system_clock::time_point epoch) {
-  const Clock clock(epoch);
-  object json{{"failed", record.is_failed()}};
-  if (record.asked) {
-    add_asked(json, *record.asked, clock);
-    json["ended"] = nullptr;
-    if (record.ended_as) {
-      json["ended"] = gateway::to_text(*record.ended_as, !record.wire.empty());
-    }
-  }
-  array wire;
-  for (const WireTrace& it : record.wire) {
-    wire.push_back(wire_json(it, clock));
-  }
-  json["wire"] = std::move(wire);
-  json["wire_not_kept"] = record.wire_not_kept;
-  return json;
-}
-
-namespace {
-
 /// "a%20b+c" is "a b c" (application/x-www-form-urlencoded); nothing if a '%' has no two digits.
 std::optional<std::string> decoded(std::string_view text) {
   std::string plain;
@@ -191,6 +160,33 @@ std::string set(TraceFilter& filter, std::string_view key, const std::string& va
 }
 
 }  // namespace
+
+const char* trace_kind(const gateway::TraceRecord& record) {
+  if (record.asked) {
+    return "transaction";
+  }
+  const bool is_heard = record.wire.front().outcome == WireTrace::Outcome::unasked;
+  return is_heard ? "heard" : "frame";
+}
+
+object trace_json(const gateway::TraceRecord& record, system_clock::time_point epoch) {
+  const Clock clock(epoch);
+  object json{{"failed", record.is_failed()}};
+  if (record.asked) {
+    add_asked(json, *record.asked, clock);
+    json["ended"] = nullptr;
+    if (record.ended_as) {
+      json["ended"] = gateway::to_text(*record.ended_as, !record.wire.empty());
+    }
+  }
+  array wire;
+  for (const WireTrace& it : record.wire) {
+    wire.push_back(wire_json(it, clock));
+  }
+  json["wire"] = std::move(wire);
+  json["wire_not_kept"] = record.wire_not_kept;
+  return json;
+}
 
 Result<TraceFilter, std::string> TraceFilter::parse(std::string_view query) {
   TraceFilter filter;

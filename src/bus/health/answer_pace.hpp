@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 
 #include "bus/instant.hpp"
 
@@ -15,9 +16,30 @@ class AnswerPace {
   /// earlier transmission, `or_took` is the time from the end of that one, and counts unless the
   /// device is known to answer as fast as `took`. True: it came clearly sooner than any other
   /// answer of the last minute.
-  bool note_answer(Duration took, Duration or_took, Instant now);
+  bool note_answer(Duration took, Duration or_took, Instant now) {
+    if (now - while_began_ >= kRecently) {
+      const bool is_recent = now - while_began_ < 2 * kRecently;
+      longest_before_ = is_recent ? longest_answer_ : Duration{0};
+      shortest_before_ = is_recent ? shortest_answer_ : Duration::max();
+      longest_answer_ = Duration{0};
+      shortest_answer_ = Duration::max();
+      while_began_ = now;
+    }
+    const Duration shortest = std::min(shortest_answer_, shortest_before_);
+    const bool is_first = shortest == Duration::max();
+    const bool is_sudden = !is_first && took < shortest - shortest / kSuddenPart;
+    longest_answer_ = std::max(longest_answer_, is_first || is_sudden ? or_took : took);
+    shortest_answer_ = std::min(shortest_answer_, took);
+    return is_sudden;
+  }
   /// A late answer came, which a quarantine as long as this would have covered.
-  void note_late(Duration covering, Instant now);
+  void note_late(Duration covering, Instant now) {
+    const Duration known = learned(now);
+    if (covering > known - known / kForgottenPart) {  // what is left next would not cover it
+      learned_ = std::max(covering, known);
+      learned_at_ = now;
+    }
+  }
 
   /// The longest that an answer took in the last minute, and in the one before.
   [[nodiscard]] Duration longest_answer() const {
@@ -25,9 +47,25 @@ class AnswerPace {
   }
   /// How long a quarantine must be to cover what was seen of late answers. It shrinks by an eighth
   /// in each minute in which none came that the rest would not cover.
-  [[nodiscard]] Duration learned(Instant now) const;
+  [[nodiscard]] Duration learned(Instant now) const {
+    if (learned_ == Duration{0} || now <= learned_at_) {
+      return learned_;
+    }
+    const auto passed = (now - learned_at_) / kForgettingTime;
+    Duration left = learned_;
+    for (int at = 0; at < std::min<std::int64_t>(passed, kLongestMemory); ++at) {
+      left -= left / kForgottenPart;
+    }
+    return left;
+  }
 
  private:
+  static constexpr auto kRecently = std::chrono::minutes(1);
+  static constexpr auto kForgettingTime = std::chrono::minutes(1);
+  static constexpr int kSuddenPart = 8;       // an eighth sooner
+  static constexpr int kForgottenPart = 8;    // an eighth in each of these
+  static constexpr int kLongestMemory = 100;  // of these; nothing is left by then
+
   Duration longest_answer_{0};  // in this period, and in the one before
   Duration longest_before_{0};
   Duration shortest_answer_ = Duration::max();

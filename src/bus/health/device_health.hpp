@@ -43,23 +43,49 @@ class LastingState {
   Instant since_ = Instant::min();
 };
 
+/// A device that answers may have so many damaged in a row before it is shown.
+inline constexpr unsigned kDamagedInRow = 3;
+
 class DeviceHealth {
  public:
   /// The transmission at `sent` got no answer. `due`: when its response timeout ended, or would
   /// have ended. Returns true if this takes the device offline, as the last of `offline_after` (0:
   /// never). It does not if the device has answered, in time, something that was sent to it later.
-  bool note_unanswered(Instant sent, Instant due, unsigned offline_after);
+  bool note_unanswered(Instant sent, Instant due, unsigned offline_after) {
+    if (sent <= answered_sent_) {
+      return false;
+    }
+    ++unanswered_in_row_;
+    if (is_offline()) {
+      return false;
+    }
+    const bool is_lost = offline_after != 0 && unanswered_in_row_ >= offline_after;
+    state_.enter(is_lost ? DeviceState::offline : DeviceState::not_answering, due);
+    return is_lost;
+  }
   /// An answer came with a wrong CRC or LRC, or fits in nothing else.
-  void note_damaged(Instant now);
+  void note_damaged(Instant now) {
+    const bool was_well = state() == DeviceState::answering && ++damaged_in_row_ < kDamagedInRow;
+    if (!is_offline() && !was_well) {
+      state_.enter(DeviceState::damaged, now);
+    }
+  }
   /// The transmission at `sent` was answered; note_heard() follows.
   void note_answered(Instant sent) { answered_sent_ = std::max(answered_sent_, sent); }
   /// A good frame of the device came, however late. Returns true if the device was offline, and is
   /// back.
-  bool note_heard(Instant now);
+  bool note_heard(Instant now) {
+    unanswered_in_row_ = damaged_in_row_ = 0;
+    return state_.enter(DeviceState::answering, now) == DeviceState::offline;
+  }
   /// Another device is at this address now. What decides stays: the row of unanswered
   /// transmissions; and the state, as long as it is offline, because that is how requests to this
   /// address are treated.
-  void forget_shown();
+  void forget_shown() {
+    if (!is_offline()) {
+      state_ = {};
+    }
+  }
 
   [[nodiscard]] DeviceState state() const { return state_.state(); }
   /// When it began: when it was noticed or, if an answer did not come, when that was due, which may

@@ -15,18 +15,42 @@ namespace mbgate::bus {
 
 class LineSilence {
  public:
-  explicit LineSilence(const BusSettings& settings);
+  explicit LineSilence(const BusSettings& settings)
+      : timing_(settings.line.baud, settings.line.format),
+        frame_gap_(settings.frame_gap.value_or(timing_.t3_5())),
+        turnaround_(settings.turnaround),
+        settle_(settings.settle) {}
   /// Other times on the same line.
-  void update(const BusSettings& settings);
+  void update(const BusSettings& settings) {
+    frame_gap_ = settings.frame_gap.value_or(timing_.t3_5());
+    turnaround_ = settings.turnaround;
+    settle_ = settings.settle;
+  }
 
   /// The line was opened: it is listened to until then.
-  void open(Instant now, Instant listen_until);
+  void open(Instant now, Instant listen_until) {
+    quiet_since_ = now;
+    busy_since_ = now;
+    emission_ends_ = now;
+    listening_until_ = listen_until;
+    settling_until_ = now;
+    turnaround_until_ = std::max(turnaround_until_, now);  // the drives know nothing of the adapter
+  }
   /// An own frame of so many bytes begins.
-  void note_frame(std::size_t bytes, Instant now);
+  void note_frame(std::size_t bytes, Instant now) {
+    emission_ends_ = now + timing_.duration_of(bytes);
+    quiet_since_ = emission_ends_;
+    busy_since_ = emission_ends_;
+  }
   /// It is a broadcast: the turnaround delay follows it.
   void note_broadcast() { turnaround_until_ = emission_ends_ + turnaround_; }
   /// Bytes were read.
-  void note_bytes(Instant now);
+  void note_bytes(Instant now) {
+    if (now > quiet_since_ + frame_gap_) {
+      busy_since_ = now;
+    }
+    quiet_since_ = std::max(quiet_since_, now);
+  }
   /// A response is missing.
   void note_unanswered(Instant now) { settling_until_ = std::max(settling_until_, now + settle_); }
 

@@ -4,6 +4,7 @@
 // has ended: no client gets data from before a write.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -23,17 +24,35 @@ class ReadCache {
     return request.function() >= 0x01 && request.function() <= 0x04;
   }
   /// The response to the same request, if it was asked for at `oldest` or later.
-  [[nodiscard]] const modbus::Pdu* find(const modbus::Request& request, Instant oldest) const;
+  [[nodiscard]] const modbus::Pdu* find(const modbus::Request& request, Instant oldest) const {
+    const auto found = std::ranges::find(reads_, request.pdu(), &Read::request);
+    return found == reads_.end() || found->asked_at < oldest ? nullptr : &found->response;
+  }
   /// `asked_at`: when the request was transmitted; the data are no older than that. `writes_ended`:
   /// writes_ended() at that time. If more writes than that were accepted, the data may be from
   /// before them and are not cached.
   void put(const modbus::Request& request, const modbus::Pdu& response, Instant asked_at,
-           std::uint64_t writes_ended);
+           std::uint64_t writes_ended) {
+    if (writes_ended < accepted_) {
+      return;
+    }
+    const auto found = std::ranges::find(reads_, request.pdu(), &Read::request);
+    if (found != reads_.end()) {
+      *found = {request.pdu(), response, asked_at};
+    } else if (reads_.size() < kMostCachedReads) {
+      reads_.push_back({request.pdu(), response, asked_at});
+    } else {
+      *std::ranges::min_element(reads_, {}, &Read::asked_at) = {request.pdu(), response, asked_at};
+    }
+  }
   /// How many writes to the device have ended so far.
   [[nodiscard]] std::uint64_t writes_ended() const { return ended_; }
   void clear() { reads_.clear(); }
-  void begin_write();
-  void end_write();
+  void begin_write() {
+    ++accepted_;
+    clear();
+  }
+  void end_write() { ++ended_; }
 
  private:
   struct Read {

@@ -147,24 +147,6 @@ void check_ways(Draft& draft) {
   }
 }
 
-}  // namespace
-
-void check_whole(Draft& draft) {
-  check_present(draft);
-  check_overlaps(draft);
-  check_routes(draft);
-  check_deadlines(draft);
-  // After an error a route may be missing only because the entry that leads there is wrong.
-  if (!draft.document.failed()) {
-    check_ways(draft);
-    check_failsafe(draft);
-    check_room(draft);
-    check_rules(draft);
-  }
-}
-
-namespace {
-
 using bus::Duration;
 using gateway::Settings;
 using routing::Route;
@@ -264,6 +246,20 @@ void check_repeated_writes(Draft& draft, std::size_t at) {
 }
 
 }  // namespace
+
+void check_whole(Draft& draft) {
+  check_present(draft);
+  check_overlaps(draft);
+  check_routes(draft);
+  check_deadlines(draft);
+  // After an error a route may be missing only because the entry that leads there is wrong.
+  if (!draft.document.failed()) {
+    check_ways(draft);
+    check_failsafe(draft);
+    check_room(draft);
+    check_rules(draft);
+  }
+}
 
 void check_deadlines(Draft& draft) {
   for (std::size_t at = 0; at < draft.routes.size(); ++at) {

@@ -181,27 +181,6 @@ constexpr std::array kGuardKeys = {
     plain<&DeviceGuard::failsafe_on_exit>("failsafe_on_exit", Truth{}),
 };
 
-}  // namespace
-
-std::span<const PlainKey<Settings>> gateway_keys() { return kGatewayKeys; }
-std::span<const PlainKey<HttpSettings>> http_keys() { return kHttpKeys; }
-std::span<const PlainKey<ListenerSettings>> listener_keys() { return kListenerKeys; }
-std::span<const PlainKey<BusSettings>> bus_keys() { return kBusKeys; }
-std::span<const PlainKey<DeviceTiming>> timing_keys() { return kTimingKeys; }
-std::span<const PlainKey<Device>> device_keys() { return kDeviceKeys; }
-std::span<const PlainKey<DeviceGuard>> guard_keys() { return kGuardKeys; }
-
-Lines lines_of(const LineSettings& line) {
-  switch (line.framing) {
-    case bus::Framing::tcp: return Lines::server;
-    case bus::Framing::rtu: return line.remote ? Lines::remote_rtu : Lines::port_rtu;
-    case bus::Framing::ascii: return line.remote ? Lines::remote_ascii : Lines::port_ascii;
-  }
-  return Lines::any;
-}
-
-namespace {
-
 struct RangeToText {
   std::string operator()(Truth /*none*/) const { return "true or false"; }
   std::string operator()(const auto& range) const { return range_text(range); }
@@ -246,7 +225,29 @@ void list(std::string& text, std::string_view title, std::span<const PlainKey<Se
   }
 }
 
+template <typename Value>
+KeyValue value_or_nothing(const std::optional<Value>& value) {
+  return value ? KeyValue(*value) : KeyValue();
+}
+
 }  // namespace
+
+std::span<const PlainKey<Settings>> gateway_keys() { return kGatewayKeys; }
+std::span<const PlainKey<HttpSettings>> http_keys() { return kHttpKeys; }
+std::span<const PlainKey<ListenerSettings>> listener_keys() { return kListenerKeys; }
+std::span<const PlainKey<BusSettings>> bus_keys() { return kBusKeys; }
+std::span<const PlainKey<DeviceTiming>> timing_keys() { return kTimingKeys; }
+std::span<const PlainKey<Device>> device_keys() { return kDeviceKeys; }
+std::span<const PlainKey<DeviceGuard>> guard_keys() { return kGuardKeys; }
+
+Lines lines_of(const LineSettings& line) {
+  switch (line.framing) {
+    case bus::Framing::tcp: return Lines::server;
+    case bus::Framing::rtu: return line.remote ? Lines::remote_rtu : Lines::port_rtu;
+    case bus::Framing::ascii: return line.remote ? Lines::remote_ascii : Lines::port_ascii;
+  }
+  return Lines::any;
+}
 
 std::string value_text(const KeyValue& value) { return std::visit(ToText(), value); }
 
@@ -262,15 +263,6 @@ std::string list_keys() {
   list(text, "[[device]]", guard_keys(), {});
   return text;
 }
-
-namespace {
-
-template <typename Value>
-KeyValue value_or_nothing(const std::optional<Value>& value) {
-  return value ? KeyValue(*value) : KeyValue();
-}
-
-}  // namespace
 
 KeyValue read_key(TomlTable& table, std::string_view key, const KeyRange& range) {
   if (const auto* integers = std::get_if<IntegerRange>(&range)) {

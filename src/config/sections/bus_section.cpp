@@ -128,27 +128,6 @@ void read_peer(Draft& draft, TomlTable& table, bus::LineSettings& line, Lines li
   }
 }
 
-}  // namespace
-
-void read_buses(Draft& draft) {
-  for (auto table : draft.document.root().tables("bus")) {
-    bus::BusSettings settings;
-    draft.buses.push_back(table);
-    settings.name = read_name(draft.buses, draft.settings.buses);
-    const Lines lines = read_line(table, settings);
-    read_peer(draft, table, settings.line, lines);
-    check_line(draft, settings);
-    read_shared_timing(table, {.lines = lines}, settings.timing);
-    check_reopening(table, settings);
-    check_stop_deadline(table, settings);
-    check_frame_gap(table, settings);
-    check_identifiers(table, settings);
-    draft.settings.buses.push_back(std::move(settings));
-  }
-}
-
-namespace {
-
 using namespace std::chrono_literals;
 
 /// How long it may become must be no shorter than what it begins with. Where nobody states it, it
@@ -200,6 +179,23 @@ void check_probe_timeout(TomlTable& table, const drive::DeviceTiming& timing) {
 }
 
 }  // namespace
+
+void read_buses(Draft& draft) {
+  for (auto table : draft.document.root().tables("bus")) {
+    bus::BusSettings settings;
+    draft.buses.push_back(table);
+    settings.name = read_name(draft.buses, draft.settings.buses);
+    const Lines lines = read_line(table, settings);
+    read_peer(draft, table, settings.line, lines);
+    check_line(draft, settings);
+    read_shared_timing(table, {.lines = lines}, settings.timing);
+    check_reopening(table, settings);
+    check_stop_deadline(table, settings);
+    check_frame_gap(table, settings);
+    check_identifiers(table, settings);
+    draft.settings.buses.push_back(std::move(settings));
+  }
+}
 
 void read_shared_timing(TomlTable& table, TimingOrigin origin, drive::DeviceTiming& timing) {
   read_keys(table, timing_keys(), timing, origin.lines);

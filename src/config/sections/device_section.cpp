@@ -102,27 +102,6 @@ void read_every_unit(Draft& draft) {
   }
 }
 
-}  // namespace
-
-void read_devices(Draft& draft) {
-  for (auto table : draft.document.root().tables("device")) {
-    drive::Device device;
-    draft.devices.push_back(table);
-    device.name = read_name(draft.devices, draft.settings.devices);
-    read_bus(draft, table, device);
-    read_address(draft, table, device);
-    read_drive(draft, table, device);
-    read_timing(draft, table, device);
-    check_address_of_profile(draft, table, device);
-    draft.settings.guards.push_back(read_guard(draft, table, device));
-    draft.settings.devices.push_back(std::move(device));
-  }
-  check_broadcast_address(draft);
-  read_every_unit(draft);
-}
-
-namespace {
-
 /// The profile that the device names; nullptr if it names none or a wrong one.
 const ProfileFile* read_profile(Draft& draft, TomlTable& table, drive::Device& device) {
   const auto name = table.string("profile");
@@ -194,6 +173,23 @@ void read_writing(Draft& draft, TomlTable& table, drive::Device& device) {
 }
 
 }  // namespace
+
+void read_devices(Draft& draft) {
+  for (auto table : draft.document.root().tables("device")) {
+    drive::Device device;
+    draft.devices.push_back(table);
+    device.name = read_name(draft.devices, draft.settings.devices);
+    read_bus(draft, table, device);
+    read_address(draft, table, device);
+    read_drive(draft, table, device);
+    read_timing(draft, table, device);
+    check_address_of_profile(draft, table, device);
+    draft.settings.guards.push_back(read_guard(draft, table, device));
+    draft.settings.devices.push_back(std::move(device));
+  }
+  check_broadcast_address(draft);
+  read_every_unit(draft);
+}
 
 void read_drive(Draft& draft, TomlTable& table, drive::Device& device) {
   const auto* file = read_profile(draft, table, device);

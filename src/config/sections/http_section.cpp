@@ -118,22 +118,6 @@ void read_hosts(TomlTable& table, HttpSettings& http) {
   }
 }
 
-}  // namespace
-
-void read_http(Draft& draft) {
-  auto table = draft.document.root().table("http");
-  if (!table) {
-    return;
-  }
-  read_socket_path(*table, "socket", draft.settings.control_socket, ", or \"\" for none");
-  read_listen(draft, *table);
-  read_allow(*table, draft.settings.http);
-  read_hosts(*table, draft.settings.http);
-  read_keys(*table, http_keys(), draft.settings.http);
-}
-
-namespace {
-
 using gateway::TlsSettings;
 
 /// Relative to the folder of the file of the configuration.
@@ -167,6 +151,18 @@ void read_private_key(TomlTable& table, TlsSettings& tls) {
 }
 
 }  // namespace
+
+void read_http(Draft& draft) {
+  auto table = draft.document.root().table("http");
+  if (!table) {
+    return;
+  }
+  read_socket_path(*table, "socket", draft.settings.control_socket, ", or \"\" for none");
+  read_listen(draft, *table);
+  read_allow(*table, draft.settings.http);
+  read_hosts(*table, draft.settings.http);
+  read_keys(*table, http_keys(), draft.settings.http);
+}
 
 void read_tls(Draft& draft) {
   for (auto table : draft.document.root().tables("tls")) {

@@ -132,38 +132,6 @@ void read_server(TomlTable& table, bus::LineSettings& line) {
                    "belongs to a serial line; a Modbus TCP server has 'host' and 'port'");
 }
 
-}  // namespace
-
-Lines read_line(TomlTable& table, bus::BusSettings& settings) {
-  const bool moded = table.has("mode");
-  const auto mode = table.word<Framing>("mode", kModes);
-  assign(settings.line.framing, mode);
-  if (moded && !mode) {
-    // Nobody can say which of these keys are right; none of them is unknown.
-    for (const auto* key : kSerialKeys) {
-      table.has(key);
-    }
-    for (const auto* key : kServerKeys) {
-      table.has(key);
-    }
-    read_keys(table, bus_keys(), settings);
-    return Lines::any;
-  }
-  if (settings.line.framing == Framing::tcp) {
-    read_server(table, settings.line);
-  } else {
-    read_device(table, settings.line);
-  }
-  const Lines lines = lines_of(settings.line);
-  read_keys(table, bus_keys(), settings, lines);
-  if (lines != Lines::server) {
-    read_serial(table, settings.line);
-  }
-  return lines;
-}
-
-namespace {
-
 /// What Linux has names for from 300 baud on (termios.h), and what else UARTs and drives offer.
 constexpr std::array<std::uint32_t, 30> kUsualRates = {
     300,    600,    1200,   1800,   2400,    4800,    9600,    14400,   19200,   28800,
@@ -218,6 +186,34 @@ void check_path(TomlTable& table, const bus::LineSettings& line) {
 }
 
 }  // namespace
+
+Lines read_line(TomlTable& table, bus::BusSettings& settings) {
+  const bool moded = table.has("mode");
+  const auto mode = table.word<Framing>("mode", kModes);
+  assign(settings.line.framing, mode);
+  if (moded && !mode) {
+    // Nobody can say which of these keys are right; none of them is unknown.
+    for (const auto* key : kSerialKeys) {
+      table.has(key);
+    }
+    for (const auto* key : kServerKeys) {
+      table.has(key);
+    }
+    read_keys(table, bus_keys(), settings);
+    return Lines::any;
+  }
+  if (settings.line.framing == Framing::tcp) {
+    read_server(table, settings.line);
+  } else {
+    read_device(table, settings.line);
+  }
+  const Lines lines = lines_of(settings.line);
+  read_keys(table, bus_keys(), settings, lines);
+  if (lines != Lines::server) {
+    read_serial(table, settings.line);
+  }
+  return lines;
+}
 
 void check_habits(TomlTable& table, const bus::LineSettings& line) {
   check_rate(table, line);

@@ -107,6 +107,27 @@ void check_port(Draft& draft, const ListenerSettings& listener) {
   }
 }
 
+/// The first entry that fits a client counts: one within an earlier one would never.
+void check_reached(const Draft& draft, std::vector<TomlTable>& tables,
+                   const routing::Network& network) {
+  const auto& all = draft.settings.weights;
+  const auto wider =
+      std::ranges::find_if(all, [&](const auto& other) { return other.network.contains(network); });
+  if (wider == all.end()) {
+    return;
+  }
+  const auto first = static_cast<std::size_t>(wider - all.begin());
+  const auto text = tables.back().string("address").value_or("");
+  if (network.contains(wider->network)) {
+    report_twice(tables, first, "address", text);
+    return;
+  }
+  tables.back().error("address",
+                      "{} lies in the block at {}, and the first that fits counts: the narrower "
+                      "one must come first",
+                      in_quotes(text), tables[first].place_of("address"));
+}
+
 }  // namespace
 
 /// The kernel gives a port to one listening socket only; a wildcard takes it on every address of
@@ -136,31 +157,6 @@ void read_listeners(Draft& draft) {
     draft.settings.listeners.push_back(std::move(listener));
   }
 }
-
-namespace {
-
-/// The first entry that fits a client counts: one within an earlier one would never.
-void check_reached(const Draft& draft, std::vector<TomlTable>& tables,
-                   const routing::Network& network) {
-  const auto& all = draft.settings.weights;
-  const auto wider =
-      std::ranges::find_if(all, [&](const auto& other) { return other.network.contains(network); });
-  if (wider == all.end()) {
-    return;
-  }
-  const auto first = static_cast<std::size_t>(wider - all.begin());
-  const auto text = tables.back().string("address").value_or("");
-  if (network.contains(wider->network)) {
-    report_twice(tables, first, "address", text);
-    return;
-  }
-  tables.back().error("address",
-                      "{} lies in the block at {}, and the first that fits counts: the narrower "
-                      "one must come first",
-                      in_quotes(text), tables[first].place_of("address"));
-}
-
-}  // namespace
 
 void read_clients(Draft& draft) {
   std::vector<TomlTable> tables;  // beside settings.weights

@@ -163,29 +163,6 @@ void accept_target_keys(TomlTable& table) {
   }
 }
 
-}  // namespace
-
-void read_routes(Draft& draft) {
-  for (auto table : draft.document.root().tables("route")) {
-    Route route;
-    read_listener(draft, table, route);
-    const auto units = read_unit(draft, table, route);
-    accept_target_keys(table);
-    const bool broadcast = units && units->first == 0 && !table.has("device");
-    if (broadcast) {
-      read_broadcast_target(draft, table, route);
-    } else if (units) {
-      read_unicast_target(draft, table, *units, route);
-    }
-    read_route_rules(draft, table, route, broadcast);
-    draft.routes.push_back(table);
-    draft.route_units.push_back(units);
-    draft.settings.routes.push_back(std::move(route));
-  }
-}
-
-namespace {
-
 using gateway::DeviceGuard;
 using gateway::WriterRule;
 
@@ -239,6 +216,25 @@ void check_occasions(TomlTable& table, const DeviceGuard& guard) {
 }
 
 }  // namespace
+
+void read_routes(Draft& draft) {
+  for (auto table : draft.document.root().tables("route")) {
+    Route route;
+    read_listener(draft, table, route);
+    const auto units = read_unit(draft, table, route);
+    accept_target_keys(table);
+    const bool broadcast = units && units->first == 0 && !table.has("device");
+    if (broadcast) {
+      read_broadcast_target(draft, table, route);
+    } else if (units) {
+      read_unicast_target(draft, table, *units, route);
+    }
+    read_route_rules(draft, table, route, broadcast);
+    draft.routes.push_back(table);
+    draft.route_units.push_back(units);
+    draft.settings.routes.push_back(std::move(route));
+  }
+}
 
 gateway::DeviceGuard read_guard(Draft& draft, TomlTable& table, const drive::Device& device) {
   DeviceGuard guard;

@@ -154,26 +154,6 @@ void read_groups(Draft& draft) {
   draft.groups_named.resize(draft.groups.size());
 }
 
-}  // namespace
-
-void read_rules(Draft& draft) {
-  read_groups(draft);
-  for (auto table : draft.document.root().tables("rule")) {
-    AccessRule rule;
-    draft.rules.push_back(table);
-    if (table.has("name")) {
-      rule.name = read_name(draft.rules, draft.settings.rules);
-    }
-    rule.place = line_of(draft, table.position());
-    read_who(draft, table, rule);
-    read_what(draft, table, rule);
-    read_action(table, rule);
-    draft.settings.rules.push_back(std::move(rule));
-  }
-}
-
-namespace {
-
 using routing::RegisterSet;
 using routing::RegisterSpan;
 
@@ -212,6 +192,22 @@ std::optional<RegisterSpan> parse_span(std::string_view text) {
 }
 
 }  // namespace
+
+void read_rules(Draft& draft) {
+  read_groups(draft);
+  for (auto table : draft.document.root().tables("rule")) {
+    AccessRule rule;
+    draft.rules.push_back(table);
+    if (table.has("name")) {
+      rule.name = read_name(draft.rules, draft.settings.rules);
+    }
+    rule.place = line_of(draft, table.position());
+    read_who(draft, table, rule);
+    read_what(draft, table, rule);
+    read_action(table, rule);
+    draft.settings.rules.push_back(std::move(rule));
+  }
+}
 
 RegisterSet read_rule_registers(TomlTable& table) {
   RegisterSet set;

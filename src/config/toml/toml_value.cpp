@@ -20,36 +20,6 @@ struct Describe {
   std::string operator()(const TomlOther& /*other*/) const { return "a date or time"; }
 };
 
-}  // namespace
-
-std::string describe(const TomlValue& value) { return std::visit(Describe{}, value.data); }
-
-bool is_empty_list(const TomlValue& value) {
-  const auto* list = std::get_if<std::vector<TomlValue>>(&value.data);
-  return list != nullptr && list->empty();
-}
-
-std::string in_quotes(std::string_view text) {
-  std::string shown = "\"";
-  for (const char byte : text) {
-    const auto code = static_cast<unsigned char>(byte);
-    const bool starts_character = (code & 0xC0U) != 0x80U;
-    if (shown.size() > kMostShown && starts_character) {
-      return shown + "...\"";
-    }
-    if (byte == '\n') {
-      shown += "\\n";
-    } else if (byte == '\t') {
-      shown += "\\t";
-    } else {
-      shown += code < 0x20U || code == 0x7FU ? '?' : byte;
-    }
-  }
-  return shown + "\"";
-}
-
-namespace {
-
 struct Unit {
   std::string_view name;
   std::int64_t nanoseconds;
@@ -119,6 +89,32 @@ std::string decimal(std::int64_t nanoseconds, const Unit& unit) {
 }
 
 }  // namespace
+
+std::string describe(const TomlValue& value) { return std::visit(Describe{}, value.data); }
+
+bool is_empty_list(const TomlValue& value) {
+  const auto* list = std::get_if<std::vector<TomlValue>>(&value.data);
+  return list != nullptr && list->empty();
+}
+
+std::string in_quotes(std::string_view text) {
+  std::string shown = "\"";
+  for (const char byte : text) {
+    const auto code = static_cast<unsigned char>(byte);
+    const bool starts_character = (code & 0xC0U) != 0x80U;
+    if (shown.size() > kMostShown && starts_character) {
+      return shown + "...\"";
+    }
+    if (byte == '\n') {
+      shown += "\\n";
+    } else if (byte == '\t') {
+      shown += "\\t";
+    } else {
+      shown += code < 0x20U || code == 0x7FU ? '?' : byte;
+    }
+  }
+  return shown + "\"";
+}
 
 std::optional<std::chrono::nanoseconds> parse_duration(std::string_view text) {
   const auto whole = text.substr(0, count_digits(text));

@@ -151,39 +151,6 @@ std::string clients_text(const boost::json::array& clients) {
   return columns(rows, {.indent = "", .words = 2});
 }
 
-}  // namespace
-
-std::string status_text(const object& status) {
-  const object& configuration = status.at("configuration").as_object();
-  std::string all = fmt::format(
-      "mbgated {}, up {}, {} as of {}, {}\n", text(status, "version"),
-      passed_text(Seconds(number(status, "uptime_s"))), text(configuration, "file"),
-      text(configuration, "read_at"),
-      counted(static_cast<std::uint64_t>(std::llround(number(status, "requests"))), "request"));
-  if (configuration.contains("sha256")) {  // not of an mbgated of before an upgrade
-    all += fmt::format("Configuration: sha256 {}\n", text(configuration, "sha256"));
-  }
-  if (configuration.at("reload_refused").as_bool()) {
-    all += "The last reload was refused: the settings in force are older than the file.\n";
-  }
-  all += "\n" + diagnoses_text(status.at("diagnoses").as_array());
-  all += "\n" + buses_text(status.at("buses").as_array());
-  const boost::json::array& devices = status.at("devices").as_array();
-  if (!devices.empty()) {
-    all += fmt::format(
-        "\n{}QUEUE, WIRE, DRIVE: median times in ms of answered requests; P90, P99: percentiles of "
-        "DRIVE\n",
-        devices_text(devices));
-  }
-  const boost::json::array& clients = status.at("clients").as_array();
-  if (!clients.empty()) {
-    all += "\n" + clients_text(clients);
-  }
-  return all;
-}
-
-namespace {
-
 bool is_first_byte(char byte) {
   return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;  // UTF-8, RFC 3629
 }
@@ -229,6 +196,35 @@ void fold(std::string line, std::size_t columns, std::vector<std::string>& lines
 }
 
 }  // namespace
+
+std::string status_text(const object& status) {
+  const object& configuration = status.at("configuration").as_object();
+  std::string all = fmt::format(
+      "mbgated {}, up {}, {} as of {}, {}\n", text(status, "version"),
+      passed_text(Seconds(number(status, "uptime_s"))), text(configuration, "file"),
+      text(configuration, "read_at"),
+      counted(static_cast<std::uint64_t>(std::llround(number(status, "requests"))), "request"));
+  if (configuration.contains("sha256")) {  // not of an mbgated of before an upgrade
+    all += fmt::format("Configuration: sha256 {}\n", text(configuration, "sha256"));
+  }
+  if (configuration.at("reload_refused").as_bool()) {
+    all += "The last reload was refused: the settings in force are older than the file.\n";
+  }
+  all += "\n" + diagnoses_text(status.at("diagnoses").as_array());
+  all += "\n" + buses_text(status.at("buses").as_array());
+  const boost::json::array& devices = status.at("devices").as_array();
+  if (!devices.empty()) {
+    all += fmt::format(
+        "\n{}QUEUE, WIRE, DRIVE: median times in ms of answered requests; P90, P99: percentiles of "
+        "DRIVE\n",
+        devices_text(devices));
+  }
+  const boost::json::array& clients = status.at("clients").as_array();
+  if (!clients.empty()) {
+    all += "\n" + clients_text(clients);
+  }
+  return all;
+}
 
 std::vector<std::string> page(std::string_view text, std::size_t rows, std::size_t columns) {
   std::vector<std::string> lines;

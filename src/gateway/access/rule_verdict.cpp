@@ -135,6 +135,8 @@ RuleVerdict verdict_on_halves(const Settings& settings, AccessQuestion question,
   return verdict;
 }
 
+bool has_rate(const routing::AccessRule* rule) { return rule != nullptr && rule->per_second != 0; }
+
 }  // namespace
 
 bool may_connect(const Settings& settings, const ClientInfo& client) {
@@ -191,12 +193,6 @@ std::string denied_by_text(const RuleVerdict& verdict, const ClientInfo& client)
   }
   return verdict.rule == nullptr ? "no rule permits it" : "rule " + verdict.rule->title();
 }
-
-namespace {
-
-bool has_rate(const routing::AccessRule* rule) { return rule != nullptr && rule->per_second != 0; }
-
-}  // namespace
 
 bool AccessBook::take(const RuleVerdict& verdict, const ClientKey& client, Instant now) {
   if (!has_room(verdict.rule, client, now) || !has_room(verdict.other, client, now)) {

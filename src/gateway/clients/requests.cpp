@@ -107,11 +107,21 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
   if (trace_.is_on()) {
     trace_.asked(index, trace_of(session, request), *exchange.plan);
   }
-  place_answer(session, index);
+  exchange.client_gone = session.is_leaving;
+  if (!session.is_leaving) {
+    session.exchanges.push_back(index);
+    exchange.answer = session.answers.open();
+  }
   exchange.arrival = exchange.plan->is_read() ? request.read_at : request.arrival;
   exchange.deadline = exchanges_.deadline_of(exchange);
   exchange.sequence = rules_.note_accepted(*exchange.plan, origin, now);
-  start_or_hold(session, index, request.is_stop, now);
+  if (request.is_stop) {
+    exchanges_.start(index, *session.turns, now);
+    return;
+  }
+  exchange.is_held = true;  // beyond `pipeline`, in their order
+  session.held.push_back(index);
+  start_held(session, now);
 }
 
 void Requests::say_left_out(const ClientSession& session, const Request& request) {
@@ -135,15 +145,6 @@ void Requests::audit(const ClientSession& session, const Request& request) {
   }
 }
 
-void Requests::place_answer(ClientSession& session, std::uint32_t index) {
-  if (session.is_leaving) {
-    exchanges_[index].client_gone = true;
-    return;
-  }
-  session.exchanges.push_back(index);
-  exchanges_[index].answer = session.answers.open();
-}
-
 // A dumb session asks again on the same connection once it has given up (`one_at_a_time`). It takes
 // an answer to what it asked before for that to its next request.
 void Requests::replace_unanswered(ClientSession& session) {
@@ -157,18 +158,6 @@ void Requests::replace_unanswered(ClientSession& session) {
     }
   }
   session.answers.drop_waiting();
-}
-
-// Beyond `pipeline` requests are held here, in their order; stops are not.
-void Requests::start_or_hold(ClientSession& session, std::uint32_t index, bool is_stop,
-                             Instant now) {
-  if (is_stop) {
-    exchanges_.start(index, *session.turns, now);
-    return;
-  }
-  exchanges_[index].is_held = true;
-  session.held.push_back(index);
-  start_held(session, now);
 }
 
 void Requests::start_held(ClientSession& session, Instant now) {

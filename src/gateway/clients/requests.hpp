@@ -56,8 +56,6 @@ class Requests {
   [[nodiscard]] bool is_withdrawn(const ClientSession& session, const Exchange& exchange,
                                   Instant now) const;
   void replace_unanswered(ClientSession& session);
-  void place_answer(ClientSession& session, std::uint32_t index);
-  void start_or_hold(ClientSession& session, std::uint32_t index, bool is_stop, Instant now);
   void start_held(ClientSession& session, Instant now);
   [[nodiscard]] modbus::Pdu answer_of_gateway(const ClientSession& session, const Request& request,
                                               Instant now);

@@ -73,26 +73,6 @@ bool is_read_otherwise(const routing::Route& route, const routing::Route& before
   return route.word_order != before.word_order || route.windows != before.windows;
 }
 
-}  // namespace
-
-bool means_otherwise(const Exchange& exchange, const Exchange::Part& part,
-                     const SettingsSnapshot& old, const SettingsSnapshot& next) {
-  const bool listens = !exchange.client_gone && !next.settings.listener(exchange.listener).is_gone;
-  const routing::ResolvedRoute* resolved =
-      listens ? next.routes.find(exchange.listener, exchange.header.unit) : nullptr;
-  if (listens && leads_elsewhere(resolved, exchange, part, next.settings)) {
-    return true;
-  }
-  if (resolved != nullptr && is_read_otherwise(resolved->route, exchange.route->route)) {
-    return true;
-  }
-  return part.job->is_broadcast()
-             ? has_other_devices(old, next, part.bus)
-             : is_other_device(old, next, part.bus, part.job->transactions.front().unit);
-}
-
-namespace {
-
 // Was the transaction carried out, as far as anybody knows?
 bool may_have_worked(const bus::Job& job, std::size_t at) {
   const bus::Transaction& transaction = job.transactions[at];
@@ -123,6 +103,22 @@ void report_reconfigured(const Exchange& exchange, const Exchange::Part& part,
 }
 
 }  // namespace
+
+bool means_otherwise(const Exchange& exchange, const Exchange::Part& part,
+                     const SettingsSnapshot& old, const SettingsSnapshot& next) {
+  const bool listens = !exchange.client_gone && !next.settings.listener(exchange.listener).is_gone;
+  const routing::ResolvedRoute* resolved =
+      listens ? next.routes.find(exchange.listener, exchange.header.unit) : nullptr;
+  if (listens && leads_elsewhere(resolved, exchange, part, next.settings)) {
+    return true;
+  }
+  if (resolved != nullptr && is_read_otherwise(resolved->route, exchange.route->route)) {
+    return true;
+  }
+  return part.job->is_broadcast()
+             ? has_other_devices(old, next, part.bus)
+             : is_other_device(old, next, part.bus, part.job->transactions.front().unit);
+}
 
 void report_effects(const Exchange& exchange, const Exchange::Part& part, bus::Ending ending,
                     const Settings& settings, ActionQueue& actions) {

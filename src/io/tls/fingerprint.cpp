@@ -42,6 +42,8 @@ std::string list_text(X509_CRL& list) {
   return fmt::format("{}{} revoked, {}", made_at(list), count, hex_pairs(digest, size));
 }
 
+constexpr std::size_t kSize = 32;
+
 }  // namespace
 
 std::string fingerprint(const X509& certificate) {
@@ -61,12 +63,6 @@ std::string lists_text(const std::vector<sys::CrlHandle>& lists) {
       lists, [](const auto& it) { return list_text(*it); }, " and ");
   return text.empty() ? "none" : text;
 }
-
-namespace {
-
-constexpr std::size_t kSize = 32;
-
-}  // namespace
 
 std::string sha256(std::span<const std::string_view> texts) {
   const std::unique_ptr<EVP_MD_CTX, sys::FreeWith<EVP_MD_CTX_free>> context(EVP_MD_CTX_new());

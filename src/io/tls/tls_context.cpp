@@ -44,6 +44,30 @@ system_clock::time_point time_of(const ASN1_TIME* time) {
                                             : system_clock::time_point::max();
 }
 
+struct FreeOctets {
+  void operator()(unsigned char* octets) const { OPENSSL_free(octets); }
+};
+
+/// Of several, the last one: the most specific (RFC 4514, 2.1 begins with it). A name with control
+/// characters, which would not be shown as it is, counts as none.
+std::string common_name_in(const X509* certificate) {
+  const X509_NAME* const subject = X509_get_subject_name(certificate);
+  int last = -1;
+  for (int at = -1; (at = X509_NAME_get_index_by_NID(subject, NID_commonName, at)) >= 0;) {
+    last = at;
+  }
+  if (last < 0) {
+    return {};
+  }
+  unsigned char* text = nullptr;
+  const int size =
+      ASN1_STRING_to_UTF8(&text, X509_NAME_ENTRY_get_data(X509_NAME_get_entry(subject, last)));
+  const std::unique_ptr<unsigned char, FreeOctets> owner(text);
+  const std::string name = size < 0 ? std::string() : std::string(text, text + size);
+  const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == '\x7F'; };
+  return std::ranges::any_of(name, is_control) ? std::string() : name;
+}
+
 }  // namespace
 
 TlsContext::TlsContext() : context_(SSL_CTX_new(TLS_server_method())), sessions_(kMostSessions) {
@@ -206,34 +230,6 @@ SSL_SESSION* TlsContext::session_wanted(SSL* ssl, const unsigned char* id, int s
 void TlsContext::session_ended(SSL_CTX* context, SSL_SESSION* session) {
   of(context).sessions_.forget(id_of(session));
 }
-
-namespace {
-
-struct FreeOctets {
-  void operator()(unsigned char* octets) const { OPENSSL_free(octets); }
-};
-
-/// Of several, the last one: the most specific (RFC 4514, 2.1 begins with it). A name with control
-/// characters, which would not be shown as it is, counts as none.
-std::string common_name_in(const X509* certificate) {
-  const X509_NAME* const subject = X509_get_subject_name(certificate);
-  int last = -1;
-  for (int at = -1; (at = X509_NAME_get_index_by_NID(subject, NID_commonName, at)) >= 0;) {
-    last = at;
-  }
-  if (last < 0) {
-    return {};
-  }
-  unsigned char* text = nullptr;
-  const int size =
-      ASN1_STRING_to_UTF8(&text, X509_NAME_ENTRY_get_data(X509_NAME_get_entry(subject, last)));
-  const std::unique_ptr<unsigned char, FreeOctets> owner(text);
-  const std::string name = size < 0 ? std::string() : std::string(text, text + size);
-  const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == '\x7F'; };
-  return std::ranges::any_of(name, is_control) ? std::string() : name;
-}
-
-}  // namespace
 
 routing::ClientRole role_in(const X509* certificate) {
   routing::ClientRole role =

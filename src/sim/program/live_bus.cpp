@@ -17,6 +17,9 @@ Duration framing_silence(const WireSettings& wire) {
 // A serial device server has one client at a time: two would talk into each other's transactions.
 constexpr std::size_t kSerialServerConnections = 1;
 
+// More than any client or gateway opens; beyond it, something is wrong.
+constexpr std::size_t kMostConnections = 64;
+
 }  // namespace
 
 LiveBus::LiveBus(const BusSettings& settings)
@@ -134,13 +137,6 @@ std::string LiveBus::counters_text() const {
       counters.frames, counters.answers, counters.silence_violations, counters.collisions,
       counters.bad_crc);
 }
-
-namespace {
-
-// More than any client or gateway opens; beyond it, something is wrong.
-constexpr std::size_t kMostConnections = 64;
-
-}  // namespace
 
 LiveTcpBus::LiveTcpBus(const BusSettings& settings)
     : name_(settings.name),

@@ -20,38 +20,6 @@ constexpr MoonsPlaces kM3Places{.status = 0x0002,
 // Enabled, alarm, jogging, decelerating.
 constexpr MoonsPlaces kBldcPlaces{.status_bits = 0x0265};
 
-}  // namespace
-
-RegisterMap moons_registers(MoonsSeries series) {
-  switch (series) {
-    case MoonsSeries::st: return moons_st_registers();
-    case MoonsSeries::stb: return moons_stb_registers();
-    case MoonsSeries::stf: return moons_stf_registers();
-    case MoonsSeries::ssdc: return moons_ssdc_registers();
-    case MoonsSeries::m2: return moons_m2_registers();
-    case MoonsSeries::m3: return moons_m3_registers();
-    case MoonsSeries::mdx: return moons_mdx_registers();
-    case MoonsSeries::bldc: return moons_bldc_registers();
-  }
-  return {};
-}
-
-const MoonsPlaces& moons_places(MoonsSeries series) {
-  switch (series) {
-    case MoonsSeries::st: return kWithoutProtocol;
-    case MoonsSeries::stb:
-    case MoonsSeries::stf:
-    case MoonsSeries::ssdc: return kStep;
-    case MoonsSeries::m2:
-    case MoonsSeries::mdx: return kServo;
-    case MoonsSeries::m3: return kM3Places;
-    case MoonsSeries::bldc: return kBldcPlaces;
-  }
-  return kWithoutProtocol;
-}
-
-namespace {
-
 using enum Access;
 using enum Width;
 
@@ -165,6 +133,34 @@ constexpr auto kStf = joined(
                RegisterRun{0x00EE, 12, word, read_only}});  // 40239..40250 reserved
 
 }  // namespace
+
+RegisterMap moons_registers(MoonsSeries series) {
+  switch (series) {
+    case MoonsSeries::st: return moons_st_registers();
+    case MoonsSeries::stb: return moons_stb_registers();
+    case MoonsSeries::stf: return moons_stf_registers();
+    case MoonsSeries::ssdc: return moons_ssdc_registers();
+    case MoonsSeries::m2: return moons_m2_registers();
+    case MoonsSeries::m3: return moons_m3_registers();
+    case MoonsSeries::mdx: return moons_mdx_registers();
+    case MoonsSeries::bldc: return moons_bldc_registers();
+  }
+  return {};
+}
+
+const MoonsPlaces& moons_places(MoonsSeries series) {
+  switch (series) {
+    case MoonsSeries::st: return kWithoutProtocol;
+    case MoonsSeries::stb:
+    case MoonsSeries::stf:
+    case MoonsSeries::ssdc: return kStep;
+    case MoonsSeries::m2:
+    case MoonsSeries::mdx: return kServo;
+    case MoonsSeries::m3: return kM3Places;
+    case MoonsSeries::bldc: return kBldcPlaces;
+  }
+  return kWithoutProtocol;
+}
 
 RegisterMap moons_m2_registers() { return kM2; }
 RegisterMap moons_ssdc_registers() { return kSsdc; }
