@@ -57,7 +57,7 @@ void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Has
   // addresses, free_keys. Counted only: of_listeners.
   auto& [in_force, by_number, closed, ready, timers, on_listener, of_listeners, addresses,
          free_keys] = sessions;
-  require(closed.empty() && ready.empty() && !timers.next(), "nothing is left to do");
+  require(closed.empty() && ready.empty() && timers.empty(), "nothing is left to do");
   hash.add(by_number.size());
   for (std::uint64_t client = 1; client <= by_number.size(); ++client) {
     read(by_number.at(gateway::ClientId{client}), gateway, hash);

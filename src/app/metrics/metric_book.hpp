@@ -7,6 +7,7 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -41,13 +42,32 @@ class MetricBook {
     add(kind, prometheus::MetricType::Gauge, std::move(labels)).gauge.value =
         static_cast<double>(value);
   }
-  void histogram(const Kind& kind, Labels labels, const bus::Histogram& histogram);
+  void histogram(const Kind& kind, Labels labels, const bus::Histogram& histogram) {
+    auto& shown = add(kind, prometheus::MetricType::Histogram, std::move(labels)).histogram;
+    std::uint64_t sum = 0;
+    for (std::size_t place = 0; place < histogram.counts().size(); ++place) {
+      sum += histogram.counts()[place];
+      const bool is_last = place == histogram.bounds().size();
+      shown.bucket.push_back({sum, is_last ? std::numeric_limits<double>::infinity()
+                                           : seconds_of(histogram.bounds()[place])});
+    }
+    shown.sample_count = sum;
+    shown.sample_sum = seconds_of(histogram.sum());
+  }
 
   /// In the order in which the families came first.
   std::vector<prometheus::MetricFamily> take() { return std::move(families_); }
 
  private:
-  prometheus::ClientMetric& add(const Kind& kind, prometheus::MetricType type, Labels labels);
+  prometheus::ClientMetric& add(const Kind& kind, prometheus::MetricType type, Labels labels) {
+    const auto [place, is_new] = places_.try_emplace(kind.name, families_.size());
+    if (is_new) {
+      families_.push_back({kind.name, kind.help, type, {}});
+    }
+    prometheus::ClientMetric& metric = families_[place->second].metric.emplace_back();
+    metric.label = std::move(labels);
+    return metric;
+  }
 
   std::vector<prometheus::MetricFamily> families_;
   std::map<std::string, std::size_t> places_;
