@@ -2,7 +2,6 @@
 #include "explore/explorer.hpp"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace mbgate::explore {
 namespace {

@@ -3,7 +3,6 @@
 // of its answers.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <vector>
 
@@ -75,7 +74,6 @@ constexpr std::uint16_t tag_of(std::uint8_t device, Word word) {
 /// Can the answers be mistaken for each other?
 bool looks_alike(Word a, Word b);
 
-std::string_view name_of(Word word);
 std::string name_of(const Ask& ask);
 
 }  // namespace mbgate::explore

@@ -4,12 +4,8 @@
 
 #include <algorithm>
 
-#include "explore/require.hpp"
-
 namespace mbgate::explore {
 namespace {
-
-using namespace std::chrono_literals;
 
 // As behaviour says where nothing is set.
 Duration deadline_of(const Plant& plant, const Ask& ask) {
@@ -122,13 +118,9 @@ bool Oracle::is_cut_at(const Flight& running, Instant now) const {
   return now >= running.left + plant_.bus().stop_wait && std::ranges::any_of(requests_, is_stop);
 }
 
-bool Oracle::is_begun(const Flight& flight, Instant now) const {
-  return flight.rest_comes && now < rest_end_of(flight);
-}
-
 void Oracle::note_judged(Instant now) {
   Flight* flight = running();
-  if (flight == nullptr || is_begun(*flight, now)) {
+  if (flight == nullptr || (flight->rest_comes && now < rest_end_of(*flight))) {
     return;
   }
   flight->cut = flight->cut || is_cut_at(*flight, now);
@@ -248,22 +240,22 @@ void Oracle::note_heard(Flight& flight, Instant now) {
     running()->perhaps = true;
     return;
   }
-  note_answered(*waited_for, now);
-  running_.reset();
-}
-
-void Oracle::note_answered(const Flight& flight, Instant now) {
-  Book& book = books_[flight.device];
-  book.answered = flight.serial;
+  book.answered = waited_for->serial;
   book.answered_at = now;
-  const Duration took = now - flight.left;
+  const Duration took = now - waited_for->left;
   if (book.shortest_answer != Duration::max() && took < book.shortest_answer * 7 / 8) {
     book.sudden_until = now + timing().response_timeout + kAdapterKeeps;
   }
   book.shortest_answer = std::min(book.shortest_answer, took);
+  running_.reset();
 }
 
 void Oracle::add_edges(std::vector<Instant>& edges, bool may_be_asked) const {
+  for (const Request& request : requests_) {
+    if (request.open && request.taken && request.ask.word != Word::stop) {
+      edges.push_back(request.deadline);
+    }
+  }
   if (!may_be_asked) {
     return;
   }
@@ -275,14 +267,6 @@ void Oracle::add_edges(std::vector<Instant>& edges, bool may_be_asked) const {
   }
   if (!is_running()) {
     edges.push_back(silent_at());
-  }
-}
-
-void Oracle::add_deadlines(std::vector<Instant>& edges) const {
-  for (const Request& request : requests_) {
-    if (request.open && request.taken && request.ask.word != Word::stop) {
-      edges.push_back(request.deadline);
-    }
   }
 }
 

@@ -64,10 +64,8 @@ class Oracle {
   [[nodiscard]] bool is_disturbed() const { return is_disturbed_ || has_slept_; }
   /// An answer is waited for.
   [[nodiscard]] bool is_running() const { return running_.has_value(); }
-  /// Instants at which something that is about requests to come changes.
+  /// Instants at which something changes that is about requests that are open, or to come.
   void add_edges(std::vector<Instant>& edges, bool may_be_asked) const;
-  /// Of requests that are open.
-  void add_deadlines(std::vector<Instant>& edges) const;
 
   void read(StateHash& hash) const;
 
@@ -100,7 +98,6 @@ class Oracle {
   [[nodiscard]] Flight* running() { return running_ ? &flights_[*running_] : nullptr; }
   [[nodiscard]] bool is_repeated(const Request& request, Instant now) const;
   [[nodiscard]] bool is_same_request(const Flight& a, const Flight& b) const;
-  void note_answered(const Flight& flight, Instant now);
   void end_uncertain();
   void note_frame(Flight& flight, Instant now);
   void hold(Flight& closed, Instant now);
@@ -113,11 +110,9 @@ class Oracle {
   void end_running(Instant now, bool counts);
   [[nodiscard]] bool is_cut_at(const Flight& running, Instant now) const;
   [[nodiscard]] bool is_waited_for(const Flight& flight);
-  [[nodiscard]] bool is_begun(const Flight& flight, Instant now) const;
 
   // oracle_wire.cpp
   std::optional<Flight> understand(const Octets& frame, Instant now);
-  void check_silence(Instant now);
   void check_overlap(Instant now);
   void check_hold(const Flight& flight, Instant now);
   void check_stops_first(const Flight& flight, Instant now);
@@ -134,7 +129,6 @@ class Oracle {
   void check_busy(const Request& request, Instant now);
   void check_no_answer(const Request& request);
   void check_waiting(const Request& request, Instant now);
-  [[nodiscard]] const Flight* last_flight_of(const Request& request) const;
 
   const Plant& plant_;
   world::WireTimes times_;

@@ -3,25 +3,14 @@
 #include <algorithm>
 
 #include "explore/oracle.hpp"
-#include "explore/require.hpp"
 
 namespace mbgate::explore {
-namespace {
-
-using namespace std::chrono_literals;
-
-constexpr std::size_t kHeader = 7;
-constexpr std::uint8_t kException = 0x80;
-constexpr std::uint8_t kBusy = 0x06;
-constexpr std::uint8_t kNoAnswer = 0x0B;
-/// A request and its answer on the wire, and the silences around them.
-constexpr Duration kFrames = 25ms;
-/// What the driver's delay may add.
-constexpr Duration kDelay = 600ms;
-
-}  // namespace
 
 void Oracle::note_sent(std::uint8_t client, const Octets& adu, Instant now) {
+  constexpr std::size_t kHeader = 7;
+  constexpr std::uint8_t kException = 0x80;
+  constexpr std::uint8_t kBusy = 0x06;
+  constexpr std::uint8_t kNoAnswer = 0x0B;
   const std::size_t slot = adu.size() > kHeader ? world::word_at(adu, 0) : kSlots;
   if (slot >= kSlots || !requests_[slot].open || !requests_[slot].taken ||
       requests_[slot].ask.client != client) {
@@ -105,19 +94,14 @@ void Oracle::check_busy(const Request& request, Instant now) {
   }
 }
 
-const Flight* Oracle::last_flight_of(const Request& request) const {
-  const auto last = std::find_if(flights_.rbegin(), flights_.rend(),
-                                 [&](const Flight& flight) { return takes_part(request, flight); });
-  return last == flights_.rend() ? nullptr : &*last;
-}
-
 // It was transmitted, and no answer to it came in time.
 void Oracle::check_no_answer(const Request& request) {
-  const Flight* last = last_flight_of(request);
+  const auto last = std::find_if(flights_.rbegin(), flights_.rend(),
+                                 [&](const Flight& flight) { return takes_part(request, flight); });
   if (request.ask.is_read() && request.was_offline) {
     return;
   }
-  if (last == nullptr) {
+  if (last == flights_.rend()) {
     report("0B though it was never transmitted");
   } else if (last->in_time && !is_disturbed()) {  // else it may belong to an earlier one
     report("0B though its answer came in time");
@@ -138,6 +122,8 @@ void Oracle::note_passing(Instant now, bool is_undisturbed) {
 }
 
 void Oracle::check_waiting(const Request& request, Instant now) {
+  constexpr Duration kFrames = 25ms;  // a request, its answer, and the silences around them
+  constexpr Duration kDelay = 600ms;  // that the driver may add
   const Duration timeout = timing().response_timeout + slack_ + kFrames;
   const Duration delay = (has_slept_ ? kDelay : Duration{0}) +
                          (request.repeats ? kStopCounts + request.rivals * timeout : Duration{0});

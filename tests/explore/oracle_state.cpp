@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "explore/oracle.hpp"
-#include "explore/require.hpp"
 
 namespace mbgate::explore {
 

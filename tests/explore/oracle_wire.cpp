@@ -41,7 +41,9 @@ void Oracle::note_transmitted(const Octets& frame, Instant now) {
     report("transmitted: nothing that anybody asked for");
     return;
   }
-  check_silence(now);
+  if (now < silent_at()) {
+    report("silence: transmitted before t3.5 was over");
+  }
   check_overlap(now);
   check_hold(*flight, now);
   check_stops_first(*flight, now);
@@ -55,12 +57,6 @@ void Oracle::note_transmitted(const Octets& frame, Instant now) {
   flights_.push_back(*flight);
   running_ = flight->serial;
   quiet_ = flight->left;
-}
-
-void Oracle::check_silence(Instant now) {
-  if (now < silent_at()) {
-    report("silence: transmitted before t3.5 was over");
-  }
 }
 
 // One at a time; a stop need not wait for longer than is_cut_at(). Then it goes, or what it gives

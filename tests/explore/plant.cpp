@@ -7,8 +7,6 @@
 namespace mbgate::explore {
 namespace {
 
-using namespace std::chrono_literals;
-
 gateway::Settings usual() {
   gateway::Settings settings;
   settings.status_unit.reset();

@@ -10,6 +10,8 @@
 
 namespace mbgate::explore {
 
+using namespace std::chrono_literals;
+
 inline constexpr std::uint8_t kDevices = 2;
 inline constexpr std::uint8_t kClients = 2;
 

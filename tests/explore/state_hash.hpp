@@ -11,6 +11,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -27,6 +29,17 @@ struct Digest {
   auto operator<=>(const Digest&) const = default;
 };
 
+/// What the explorer's own reasoning rests on. If it does not hold, what was explored proves
+/// nothing.
+inline void require(bool holds, const char* what) {
+  if (!holds) {
+    throw std::logic_error(std::string("the explorer's reasoning does not hold: ") + what);
+  }
+}
+
+/// No small world lives so long from its first request on; nothing that is older decides anything:
+/// an instant counts as long as anything does.
+inline constexpr Duration kFarPast = std::chrono::seconds(50);
 /// No request is open for so long, unless its deadline is nearer than that.
 inline constexpr Duration kAnsweredBy = std::chrono::seconds(25);
 

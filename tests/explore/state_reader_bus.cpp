@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The bus: who waits, who is on the wire, what is known of the devices.
-#include "explore/require.hpp"
 #include "explore/state_reader_parts.hpp"
 
 namespace mbgate::explore {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The gateway: its clients and their requests.
-#include "explore/require.hpp"
 #include "explore/state_reader.hpp"
 #include "explore/state_reader_parts.hpp"
 

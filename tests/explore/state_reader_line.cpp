@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The line and its framer.
-#include "explore/require.hpp"
 #include "explore/state_reader_parts.hpp"
 
 namespace mbgate::explore {
@@ -49,7 +48,8 @@ void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Ha
     hash.until(emission_ends);
   }
   read(echo, is_running, hash);
-  read(framer, hash);
+  const auto& [variant] = framer;
+  read(std::get<bus::RtuFramer>(variant), hash);
 }
 
 void StateReader::read(const bus::Echo& echo, bool is_running, Hash& hash) {
@@ -89,11 +89,6 @@ void StateReader::read(const bus::Echo& echo, bool is_running, Hash& hash) {
       hash.since(piece.came, kFarPast);
     }
   }
-}
-
-void StateReader::read(const bus::Framer& framer, Hash& hash) {
-  const auto& [variant] = framer;
-  read(std::get<bus::RtuFramer>(variant), hash);
 }
 
 void StateReader::read(const bus::RtuFramer& framer, Hash& hash) {

@@ -52,7 +52,6 @@ struct StateReader {
   static void read(const bus::LineDiscipline& line, const Sight& sight, Hash& hash);
   static void read(const bus::SerialDiscipline& line, const Sight& sight, Hash& hash);
   static void read(const bus::Echo& echo, bool is_running, Hash& hash);
-  static void read(const bus::Framer& framer, Hash& hash);
   static void read(const bus::RtuFramer& framer, Hash& hash);
   static void read(const bus::ReceivedBytes& received, Duration reach, Hash& hash);
   static void read(const bus::CutFrame& cut, bool is_last, Hash& hash);

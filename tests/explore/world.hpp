@@ -5,8 +5,6 @@
 // of the rules: just before, at, and just after each.
 #pragma once
 
-#include <functional>
-
 #include "explore/oracle.hpp"
 #include "support/gateway_harness.hpp"
 
@@ -75,8 +73,7 @@ class World {
   }
   /// What was seen from outside since the last choice: frames and answers, less the numbers that
   /// only tell transmissions apart.
-  [[nodiscard]] Digest seen();
-  [[nodiscard]] Duration age() const { return now() - begun_; }
+  [[nodiscard]] Digest seen() { return seen_.digest(); }
 
  private:
   struct Piece {

@@ -7,8 +7,6 @@
 namespace mbgate::explore {
 namespace {
 
-using namespace std::chrono_literals;
-
 // A device takes so long to answer, at the least.
 constexpr Duration kAnswering = 1ms;
 constexpr Duration kAnInstant{1};
@@ -88,8 +86,7 @@ bool World::may_pass() const {
 std::optional<Instant> World::next_instant() const {
   std::vector<Instant> edges;
   std::vector<Instant> instants;
-  const auto wake = harness_.next_wake();
-  if (wake) {
+  if (const auto wake = harness_.next_wake()) {
     edges.push_back(wake->at);
   }
   for (const Flight& flight : oracle_.flights()) {
@@ -105,7 +102,6 @@ std::optional<Instant> World::next_instant() const {
     }
   }
   oracle_.add_edges(edges, left_.requests > 0);
-  oracle_.add_deadlines(edges);
   if (asleep_since_) {
     instants.push_back(*asleep_since_ + kLate);
     instants.push_back(*asleep_since_ + kLatest);

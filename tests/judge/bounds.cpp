@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "judge/bounds.hpp"
-
 #include <algorithm>
 #include <cstdio>
 
 #include "judge/meter.hpp"
+#include "judge/run.hpp"
 
 namespace mbgate::judge {
 namespace {
-
-using namespace std::chrono_literals;
-using namespace world;  // NOLINT(google-build-using-namespace): it is about nothing else
 
 constexpr Duration kStart = 10s;  // it has listened, and asked everybody
 constexpr Duration kRun = 120s;

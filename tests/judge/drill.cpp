@@ -4,16 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "judge/drills.hpp"
-#include "world/plan_parts.hpp"
-
 namespace mbgate::judge {
-
-using namespace std::chrono_literals;
-
-namespace {
-constexpr std::uint64_t kDrillsChance = 0x4452494CULL;
-}
 
 Drill::Drill(std::uint64_t seed, unsigned drives) : random_(seed ^ kDrillsChance) {
   plan_.seed = seed;

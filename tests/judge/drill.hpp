@@ -63,6 +63,8 @@ class Drill {
   world::Report end();
 
  private:
+  static constexpr std::uint64_t kDrillsChance = 0x4452494CULL;
+
   Plan plan_;
   Random random_;
   std::optional<World> world_;
@@ -71,5 +73,25 @@ class Drill {
   std::size_t seen_ = 0;
   unsigned words_ = 0;
 };
+
+// The drills: each makes its plant, and expects what the contract says of it.
+void drill_silence(Drill& drill, bool trace);
+void drill_damage(Drill& drill, bool trace);
+void drill_lateness(Drill& drill, bool trace);
+void drill_hold(Drill& drill, bool trace);
+void drill_seconds(Drill& drill, bool trace);
+void drill_room(Drill& drill, bool trace);
+void drill_turns(Drill& drill, bool trace);
+void drill_sharing(Drill& drill, bool trace);
+void drill_quiet(Drill& drill, bool trace);
+void drill_noise(Drill& drill, bool trace);
+void drill_crawl(Drill& drill, bool trace);
+void drill_misfits(Drill& drill, bool trace);
+void drill_stranger(Drill& drill, bool trace);
+void drill_stop_first(Drill& drill, bool trace);
+void drill_stop_fails(Drill& drill, bool trace);
+void drill_old_echo(Drill& drill, bool trace);
+void drill_reload(Drill& drill, bool trace);
+void drill_failsafe(Drill& drill, bool trace);
 
 }  // namespace mbgate::judge

@@ -2,11 +2,10 @@
 // Answers with bad checks, late ones, and second ones.
 #include <algorithm>
 
-#include "judge/drills.hpp"
+#include "judge/drill.hpp"
 
 namespace mbgate::judge {
 
-using namespace std::chrono_literals;
 using bus::Quality;
 
 namespace {

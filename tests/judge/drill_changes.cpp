@@ -2,12 +2,9 @@
 // Settings that are read again, in another order and with less in them; and failsafe writes.
 #include <algorithm>
 
-#include "judge/drills.hpp"
+#include "judge/drill.hpp"
 
 namespace mbgate::judge {
-
-using namespace std::chrono_literals;
-
 namespace {
 
 constexpr std::uint8_t kFirstUnit = 101;

@@ -5,12 +5,9 @@
 #include <numeric>
 
 #include "gateway/status/diagnosis.hpp"
-#include "judge/drills.hpp"
+#include "judge/drill.hpp"
 
 namespace mbgate::judge {
-
-using namespace std::chrono_literals;
-
 namespace {
 
 constexpr Duration kMoment = 10ms;

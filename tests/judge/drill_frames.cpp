@@ -3,11 +3,9 @@
 // of others.
 #include <algorithm>
 
-#include "judge/drills.hpp"
+#include "judge/drill.hpp"
 
 namespace mbgate::judge {
-
-using namespace std::chrono_literals;
 
 // Bytes in front and behind, pauses shorter than `frame_slack`: each read is answered at once.
 void drill_noise(Drill& drill, bool trace) {

@@ -6,8 +6,6 @@
 
 namespace mbgate::judge {
 
-using namespace std::chrono_literals;
-
 std::string Judge::name(const Asked& asked) const {
   const auto station = asked.intent.station;
   return "at " + std::to_string(now().time_since_epoch() / 1us) + " us: client " +
@@ -28,10 +26,9 @@ std::string Judge::name(const Sent& sent) const {
 
 void Judge::asked(Id id) {
   const Asked& asked = ledger_.asked[id];
-  if (asked.intent.kind == Kind::own) {
-    return;
+  if (asked.intent.kind != Kind::own) {
+    deadlines_[id] = deadline_of(asked);
   }
-  deadlines_[id] = deadline_of(asked);
 }
 
 // A reload may give what waits more time, and the next one less.

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <string_view>
 
-#include "judge/bounds.hpp"
 #include "judge/drill.hpp"
 #include "judge/run.hpp"
 

@@ -3,8 +3,6 @@
 
 namespace mbgate::judge {
 
-using namespace std::chrono_literals;
-
 void RulesJudge::violation(const char* kind, const Asked& asked, const std::string& why) {
   const Connection& connection = connection_of(asked);
   report_.violation(kind, "at " + std::to_string(world_.now().time_since_epoch() / 1us) +

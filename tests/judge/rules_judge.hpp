@@ -14,6 +14,9 @@ namespace mbgate::judge {
 
 using namespace world;  // NOLINT(google-build-using-namespace): it is about nothing else
 
+/// Registers; nothing: whatever they hold.
+using Words = std::vector<std::optional<std::uint64_t>>;
+
 class RulesJudge : public Witness {
  public:
   RulesJudge(World& world, Witness& next)
@@ -39,8 +42,7 @@ class RulesJudge : public Witness {
   // truth_rights.cpp
   void check_denied(const Asked& asked);
   void check_withdrawn(const Sent& sent);
-
-  // truth_writer.cpp: others than the one who writes do not.
+  // Others than the one who writes do not.
   struct Written {
     Instant given;  ///< accepted then at the earliest
     Instant sent;   ///< and then at the latest
@@ -67,13 +69,11 @@ class RulesJudge : public Witness {
   [[nodiscard]] bool may_be_full(const Asked& asked) const;
   [[nodiscard]] bool may_not_be_written(const Asked& asked) const;
 
-  // truth_order.cpp: with `ordered = true` answers have the order of their requests.
-  void note_due(Id asked);
-  void check_order(Id asked);
-
   // truth_kinds.cpp
   void check_odd_read(const Asked& asked);
   void check_forms(const Asked& asked);
+  void note_due(Id asked);
+  void check_order(Id asked);
 
   // truth_counters.cpp
   struct Bounds {
@@ -88,8 +88,6 @@ class RulesJudge : public Witness {
   std::optional<Octets> ask_gateway(const Octets& pdu);
   /// The answer begins so, and has this size.
   void expect(const Octets& pdu, const Octets& begin, std::optional<std::size_t> size = {});
-  /// Registers; nothing: whatever they hold.
-  using Words = std::vector<std::optional<std::uint64_t>>;
   void check_blocks(unsigned first, const std::function<Words()>& expected);
   void check_identity();
   void check_diagnostics(const gateway::StatusReport& status);

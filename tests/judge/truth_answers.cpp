@@ -7,9 +7,6 @@
 #include "judge/judge.hpp"
 
 namespace mbgate::judge {
-
-using namespace std::chrono_literals;
-
 namespace {
 
 constexpr std::uint8_t kNotNow = 0x06;
@@ -98,26 +95,19 @@ bool Judge::shows(const Asked& asked) const {
     }
     return true;
   }
-  const auto word_of = [&](unsigned address) {  // of the drive
-    const bool moves = asked.intent.swapped && range.table == Table::holding_registers;
-    const unsigned shown = moves ? partner_of(address) : address;
-    return word_at(answer, 2 + 2 * std::size_t{shown - range.first});
-  };
+  const bool moves = asked.intent.swapped && range.table == Table::holding_registers;
+  const auto moved = [&](unsigned address) { return moves ? partner_of(address) : address; };
   const unsigned end = range.first + range.count;
   for (unsigned at = range.first; at < end;) {
     const bool is_value = range.table == Table::holding_registers &&
                           value_begin(at) >= range.first && value_end(at) <= end;
     const unsigned next = is_value ? value_end(at) : at + 1;
+    const unsigned place = is_value ? at : moved(at);  // in the drive
     std::vector<std::uint16_t> words;
-    if (is_value) {
-      for (unsigned part = at; part < next; ++part) {
-        words.push_back(word_of(part));
-      }
-    } else {
-      words.push_back(word_at(answer, 2 + 2 * std::size_t{at - range.first}));
+    for (unsigned part = 0; part < next - at; ++part) {
+      words.push_back(word_at(answer, 2 + 2 * std::size_t{moved(place + part) - range.first}));
     }
-    const bool moves = !is_value && asked.intent.swapped && range.table == Table::holding_registers;
-    if (!held(station, range.table, moves ? partner_of(at) : at, words, span)) {
+    if (!held(station, range.table, place, words, span)) {
       return false;
     }
     at = next;

@@ -5,13 +5,6 @@
 
 namespace mbgate::judge {
 
-using namespace std::chrono_literals;
-
-namespace {
-constexpr std::uint8_t kUnanswered = 0x0B;
-constexpr Duration kLateness = 60ms;  // of adapters and drivers
-}  // namespace
-
 // A frame of the drive that was asked, which is not what was asked for. One of another function may
 // be another client's, and ends no wait.
 void Judge::came(std::size_t bus) {
@@ -56,6 +49,8 @@ bool Judge::is_later_than_ever(const Asked& asked, const Came& last) const {
 }
 
 void Judge::note_share(const Asked& asked) {
+  constexpr std::uint8_t kUnanswered = 0x0B;
+  constexpr Duration kLateness = 60ms;  // of adapters and drivers
   if (asked.intent.kind == Kind::own || asked.sent.empty() || !asked.intent.station) {
     return;
   }

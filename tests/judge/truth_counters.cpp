@@ -7,8 +7,6 @@
 
 namespace mbgate::judge {
 
-using namespace std::chrono_literals;
-
 void RulesJudge::compare(const std::string& what, std::uint64_t shown, Bounds seen) {
   if (shown < seen.least || shown > seen.most) {
     report_.violation("counter", what + " " + std::to_string(shown) + ", seen " +

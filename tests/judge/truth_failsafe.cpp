@@ -2,13 +2,10 @@
 // Failsafe writes go when a client that has written to the drive has gone, and not while all of
 // them are there; they stay due until the drive has them.
 #include <algorithm>
-#include <set>
 
 #include "judge/judge.hpp"
 
 namespace mbgate::judge {
-
-using namespace std::chrono_literals;
 
 // A host that has written: since when is it gone, for this drive? Connections that ask it nothing
 // do not count. kNever: it is there.
@@ -20,16 +17,9 @@ Instant Judge::gone_since(unsigned host, std::size_t station) const {
   }
   for (const auto& [id, is_known] : found->second) {
     const Connection& connection = ledger_.connections[id];
-    if (connection.process != ledger_.process) {
-      continue;
+    if (connection.process == ledger_.process && (is_known || connection.gone != kNever)) {
+      last = std::max(last, connection.gone);  // kNever is the latest of all
     }
-    if (connection.gone == kNever && is_known) {
-      return kNever;
-    }
-    if (connection.gone == kNever) {
-      continue;
-    }
-    last = std::max(last, connection.gone);
   }
   return last == Instant::min() ? kNever : last;
 }

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // What names no register is answered by that drive, and a broadcast goes out in every form that is
-// used on its buses.
+// used on its buses; and the order of answers.
 #include <algorithm>
 
 #include "judge/rules_judge.hpp"
 
 namespace mbgate::judge {
-
-using namespace std::chrono_literals;
 
 // Those answers end in the drive's first input registers, which no other drive has. How old they
 // may be truth_answers asks of others.
@@ -49,6 +47,30 @@ void RulesJudge::check_forms(const Asked& asked) {
       return;
     }
   }
+}
+
+// With `ordered = true` a connection gets its answers in the order of its requests; without it
+// identifiers suffice.
+void RulesJudge::note_due(Id id) {
+  const Asked& asked = ledger_.asked[id];
+  const auto& listener = plan_.settings.listeners[connection_of(asked).listener];
+  const bool answers_all = listener.give_up == Duration{0} && !listener.one_at_a_time;
+  if (listener.ordered && answers_all && asked.intent.answer_due) {
+    due_[asked.connection].push_back(id);
+  }
+}
+
+void RulesJudge::check_order(Id id) {
+  const Asked& asked = ledger_.asked[id];
+  const auto found = due_.find(asked.connection);
+  // One that is not replied to gets its refusal all the same, at any time.
+  if (found == due_.end() || std::ranges::count(found->second, id) == 0) {
+    return;
+  }
+  if (found->second.front() != id) {
+    violation("out_of_order", asked);
+  }
+  std::erase(found->second, id);
 }
 
 }  // namespace mbgate::judge

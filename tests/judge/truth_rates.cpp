@@ -6,9 +6,6 @@
 #include "judge/rules_judge.hpp"
 
 namespace mbgate::judge {
-
-using namespace std::chrono_literals;
-
 namespace {
 constexpr std::uint8_t kTryAgainLater = 0x06;
 constexpr Duration kKept = 10s;

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the gateway says of itself when all is well again: the states of its devices, and its own
 // unit, 255, in the layout that mbgated(8) promises.
+#include <ranges>
 #include <string_view>
 
 #include "judge/rules_judge.hpp"
 
 namespace mbgate::judge {
-
-using namespace std::chrono_literals;
-
 namespace {
 
 constexpr unsigned kBuses = 1000;
@@ -16,8 +14,6 @@ constexpr unsigned kBusSize = 64;
 constexpr unsigned kDevices = 10000;
 constexpr unsigned kDeviceSize = 32;
 constexpr unsigned kDiagnostics = 8;
-
-using Words = std::vector<std::optional<std::uint64_t>>;
 
 void put(Words& words, std::size_t at, std::initializer_list<std::uint64_t> counters) {
   for (const std::uint64_t counter : counters) {
@@ -67,10 +63,6 @@ Words words_of_all(const Things& things) {
   return words;
 }
 
-bool begins_with(const Octets& whole, const Octets& begin) {
-  return whole.size() >= begin.size() && std::equal(begin.begin(), begin.end(), whole.begin());
-}
-
 }  // namespace
 
 // Nothing where rules or rates are in the way.
@@ -83,7 +75,8 @@ std::optional<Octets> RulesJudge::ask_gateway(const Octets& pdu) {
 
 void RulesJudge::expect(const Octets& pdu, const Octets& begin, std::optional<std::size_t> size) {
   const auto answer = ask_gateway(pdu);
-  if (answer && (!begins_with(*answer, begin) || (size && answer->size() != *size))) {
+  if (answer && (!std::ranges::equal(begin, *answer | std::views::take(begin.size())) ||
+                 (size && answer->size() != *size))) {
     report_.violation("own_unit", hex(pdu) + ": " + hex(*answer) + ", must be " + hex(begin));
   }
 }

@@ -6,13 +6,6 @@
 
 namespace mbgate::judge {
 
-using namespace std::chrono_literals;
-
-namespace {
-// 05, 06, 0A and 0B.
-constexpr std::uint32_t kTryAgain = 1U << 5U | 1U << 6U | 1U << 10U | 1U << 11U;
-}  // namespace
-
 // A stop to a drive that has not answered the last one, nor anything since, may wait while lost
 // time is paid back to others, as often as they lose more.
 bool Judge::follows_silence(const Sent& stop, Id id) const {
@@ -32,10 +25,7 @@ void Judge::check_stop_time(Id id) {
   }
   const Asked& asked = ledger_.asked[sent.asked.front()];
   if (asked.sent.size() > 1 || asked.intent.kind != Kind::stop ||
-      asked.intent.sent.empty() == asked.intent.whole) {
-    return;
-  }
-  if (follows_silence(sent, id)) {
+      asked.intent.sent.empty() == asked.intent.whole || follows_silence(sent, id)) {
     return;
   }
   const Instant from = std::max({asked.given, line.opened, ledger_.reloaded});
@@ -58,6 +48,7 @@ void Judge::check_stop_time(Id id) {
 
 // Where its drive has answered each try with "not now", it was tried often enough.
 void Judge::check_refused_stop(const Asked& asked) {
+  constexpr std::uint32_t kTryAgain = code(5) | code(6) | code(10) | code(11);
   if (asked.intent.kind != Kind::stop || asked.sent.empty() || asked.answer[0] < 0x80 ||
       (kTryAgain >> asked.answer[1] & 1U) == 0 || ledger_.reloaded >= asked.given ||
       ledger_.stopping != kNever || plan_.has_failsafe(plan_.stations[*asked.intent.station])) {
@@ -66,7 +57,7 @@ void Judge::check_refused_stop(const Asked& asked) {
   const bool is_refused = std::ranges::all_of(asked.sent, [&](Id id) {
     const Sent& sent = ledger_.sent[id];
     const std::uint32_t said = sent.exceptions;
-    return said != 0 && (said & ~kTryAgain) == 0 && !sent.cut &&
+    return said != 0 && (said & ~kTryAgain) == 0 &&
            sent.answered < sent.end + longest_wait_of(*asked.intent.station) &&
            ledger_.lines[sent.bus].open && sent.opening == ledger_.lines[sent.bus].openings;
   });

@@ -7,9 +7,6 @@
 #include "judge/judge.hpp"
 
 namespace mbgate::judge {
-
-using namespace std::chrono_literals;
-
 namespace {
 // The gateway counts in the same nanoseconds; only the drivers' clocks differ.
 constexpr Duration kRounding = 1us;
@@ -18,10 +15,7 @@ constexpr Duration kRounding = 1us;
 void Judge::check_silence(Id id) {
   const Sent& sent = ledger_.sent[id];
   const LineBook& line = ledger_.lines[sent.bus];
-  if (!line.open) {
-    return;
-  }
-  if (plan_.is_tcp(sent.bus)) {
+  if (!line.open || plan_.is_tcp(sent.bus)) {
     return;
   }
   const auto& bus = plan_.bus(sent.bus);
@@ -66,13 +60,11 @@ void Judge::check_gap(Id id) {
 void Judge::check_waiting(Id id) {
   const Sent& sent = ledger_.sent[id];
   const LineBook& line = ledger_.lines[sent.bus];
-  if (plan_.is_tcp(sent.bus) || line.last == kNone || !line.open) {
+  if (plan_.is_tcp(sent.bus) || line.last == kNone || !line.open || sent.is_stop ||
+      sent.is_failsafe) {
     return;
   }
   const Sent& before = ledger_.sent[line.last];
-  if (sent.is_stop || sent.is_failsafe) {
-    return;
-  }
   if (!before.expects_answer || !before.station || line.heard >= before.begin ||
       ledger_.reloaded >= before.begin || before.opening != line.openings) {
     return;

@@ -8,8 +8,6 @@
 
 namespace mbgate::judge {
 
-using namespace std::chrono_literals;
-
 // The gateway asks for the word order itself, whether or not a client waits for the same.
 bool Judge::asks_order(const Sent& sent) const {
   return sent.station && sent.reads && sent.reads->count == 1 &&
@@ -71,10 +69,8 @@ void Judge::check_limits(const Sent& sent) {
 
 void Judge::check_once(Id id) {
   const Sent& sent = ledger_.sent[id];
-  if (sent.is_stop) {
-    return;
-  }
-  if (sent.station && plan_.timing_of(plan_.stations[*sent.station]).retry_writes) {
+  if (sent.is_stop ||
+      (sent.station && plan_.timing_of(plan_.stations[*sent.station]).retry_writes)) {
     return;
   }
   const std::size_t place = sent.is_broadcast ? all_of(sent.bus) : sent.station.value_or(0);

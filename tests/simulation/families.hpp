@@ -27,8 +27,8 @@ class Families : public testing::Test {
     auto& listener = settings_.listeners.emplace_back();
     listener.name = "plant";
     listener.pipeline = 64;
-    add_bus("line-a", {115200, {8, modbus::Parity::none, 1}, bus::Framing::rtu});
-    add_bus("line-b", {19200, {7, modbus::Parity::even, 1}, bus::Framing::ascii});
+    add_bus("line-a", 115200, {8, modbus::Parity::none, 1}, bus::Framing::rtu);
+    add_bus("line-b", 19200, {7, modbus::Parity::even, 1}, bus::Framing::ascii);
     add("moons-m3", 0,
         {.address = 1,
          .model = sim::ModelKind::moons,
@@ -48,8 +48,7 @@ class Families : public testing::Test {
 
   void build() {
     world_.emplace(settings_, devices_, [this](ClientId, modbus::Bytes adu) {
-      const modbus::Bytes pdu = adu.subspan(7);
-      answers_.push_back(hex(pdu));
+      answers_.push_back(hex(adu.subspan(7)));
     });
     client_ = world_->connect(0, 1);
   }
@@ -79,17 +78,13 @@ class Families : public testing::Test {
   std::vector<std::string> answers_;
 
  private:
-  struct LinePlan {
-    std::uint32_t baud;
-    modbus::CharacterFormat format;
-    bus::Framing framing;
-  };
-  void add_bus(const char* name, const LinePlan& plan) {
+  void add_bus(const char* name, std::uint32_t baud, const modbus::CharacterFormat& format,
+               bus::Framing framing) {
     auto& bus = settings_.buses.emplace_back();
     bus.name = name;
-    bus.line.baud = modbus::Baud{plan.baud};
-    bus.line.format = plan.format;
-    bus.line.framing = plan.framing;
+    bus.line.baud = modbus::Baud{baud};
+    bus.line.format = format;
+    bus.line.framing = framing;
     bus.line.echo = false;
     bus.listen_first = 0ms;
     devices_.emplace_back();

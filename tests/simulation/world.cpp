@@ -30,8 +30,8 @@ ClientId World::connect(std::size_t listener, unsigned host) {
   const ClientId client{++clients_};
   const auto address = routing::ClientAddress::parse("10.0." + std::to_string(host / 250) + "." +
                                                      std::to_string(host % 250 + 1));
-  feed(gateway::ClientConnected{client,
-                                {ListenerId{static_cast<std::uint32_t>(listener)}, *address}});
+  feed(gateway::ClientConnected{
+      client, {gateway::ListenerId{static_cast<std::uint32_t>(listener)}, *address}});
   return client;
 }
 
@@ -56,19 +56,14 @@ void World::run(Instant limit, const std::function<bool()>& done) {
       return;
     }
     harness_.go_on(std::max(now(), *next));
-    step();
-  }
-}
-
-void World::step() {
-  for (std::size_t bus = 0; bus < wires_.size(); ++bus) {
-    const BusId number{static_cast<std::uint32_t>(bus)};
-    const auto bytes = wires_[bus].advance(now());
-    if (!bytes.empty()) {
-      feed(gateway::LineBytes{number, bytes});
+    for (std::size_t bus = 0; bus < wires_.size(); ++bus) {
+      const auto bytes = wires_[bus].advance(now());
+      if (!bytes.empty()) {
+        feed(gateway::LineBytes{BusId{static_cast<std::uint32_t>(bus)}, bytes});
+      }
     }
+    feed(gateway::DeadlineReached{});
   }
-  feed(gateway::DeadlineReached{});
 }
 
 void World::feed(const gateway::Input& input) {

@@ -6,7 +6,6 @@
 #include <deque>
 #include <functional>
 #include <random>
-#include <string>
 #include <vector>
 
 #include "sim/wire/wire.hpp"
@@ -19,7 +18,6 @@ using bus::Duration;
 using bus::Instant;
 using gateway::BusId;
 using gateway::ClientId;
-using gateway::ListenerId;
 
 class World {
  public:
@@ -47,7 +45,6 @@ class World {
   void feed(const gateway::Input& input);
   void drain();
   void take(const gateway::Action& action);
-  void step();
   [[nodiscard]] std::optional<Instant> next_event() const;
 
   OnAnswer on_answer_;

@@ -6,22 +6,11 @@
 #include "world/rights.hpp"
 
 namespace mbgate::world {
-namespace {
-
-constexpr std::uint8_t kUnitOfNobody = 251;
-constexpr std::uint8_t kStatusUnit = 255;
-constexpr std::uint8_t kOfNobody = 198;  // a register that no rule names
-
-}  // namespace
 
 // The registers of a value have no word in common: a write that was asked for in one word order may
 // go out in another.
 std::uint16_t Asking::next(std::size_t place, unsigned address) {
   return ++counters_[std::uint64_t{place} << 32U | value_begin(address)];
-}
-
-std::size_t Asking::place_of(const Intent& intent) const {
-  return intent.station ? *intent.station : all_of(intent.buses.front());
 }
 
 std::optional<std::size_t> Asking::pick_door(const Manners& manners, bool broadcast) {
@@ -54,7 +43,7 @@ Intent Asking::begin(std::size_t at, Kind kind) const {
 Intent Asking::of_gateway(const Octets& pdu) {
   Intent intent;
   intent.kind = Kind::own;
-  intent.unit = kStatusUnit;
+  intent.unit = 255;  // the status unit
   intent.pdu = pdu;
   return intent;
 }
@@ -74,7 +63,7 @@ Intent Asking::make(const Manners& manners) {
   } else if (random_.chance(manners.stops)) {
     intent = stop(*door);
   } else if (random_.chance(manners.writes)) {
-    intent = manners.plain ? plain_write(*door) : write(*door);
+    intent = write(*door, manners.plain);
   } else {
     intent = read(*door, random_.chance(manners.same_reads));
   }
@@ -187,6 +176,7 @@ void Asking::plan_read(Intent& intent, Table table, unsigned first, unsigned cou
 }
 
 Intent Asking::nameless_read(std::size_t at) {
+  constexpr std::uint8_t kOfNobody = 198;  // a register that no rule names
   Intent intent = begin(at, Kind::read);
   intent.pdu = random_.one_of<Octets>({{0x07},
                                        {0x0B},
@@ -221,7 +211,7 @@ Intent Asking::malformed(std::size_t at) {
     case 6: intent.pdu = request(5, 1, 0x1234); break;
     case 7: intent.pdu = request(8, random_.one_of({1U, 4U, 21U}), 0); break;  // named nowhere
     default:
-      intent.unit = kUnitOfNobody;
+      intent.unit = 251;  // nobody's
       intent.pdu = request(3, address, 1);
       codes = code(0x0A) | (plan_.rules.empty() ? 0U : code(1));
       break;

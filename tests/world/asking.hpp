@@ -37,8 +37,7 @@ class Asking {
   void plan_read(Intent& intent, Table table, unsigned first, unsigned count) const;
   Intent nameless_read(std::size_t door);
   // Writes.
-  Intent write(std::size_t door);
-  Intent plain_write(std::size_t door);
+  Intent write(std::size_t door, bool is_plain);
   void registers(Intent& intent, unsigned first, unsigned count);
   void plan_write(Intent& intent, unsigned first, const Words& words) const;
   void single(Intent& intent, unsigned address);
@@ -51,7 +50,6 @@ class Asking {
   Intent broadcast(std::size_t door);
   Intent malformed(std::size_t door);
   [[nodiscard]] std::uint16_t next(std::size_t place, unsigned address);
-  [[nodiscard]] std::size_t place_of(const Intent& intent) const;
 
   const Plan& plan_;
   Random& random_;

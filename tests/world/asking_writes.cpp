@@ -3,25 +3,10 @@
 #include "world/asking.hpp"
 
 namespace mbgate::world {
-namespace {
 
-constexpr std::uint8_t kOwnFunction = 0x41;
-constexpr std::uint8_t kOtherFunction = 0x64;
-
-}  // namespace
-
-Intent Asking::write(std::size_t door) {
+Intent Asking::write(std::size_t door, bool is_plain) {
   Intent intent = begin(door, Kind::write);
-  const std::size_t place = place_of(intent);
-  switch (random_.between(0U, 16U)) {
-    case 0:
-    case 1:
-    case 2:
-    case 3: {
-      const unsigned address = random_.between(0U, kLiveFrom - 1U);
-      single(intent, address);
-      break;
-    }
+  switch (is_plain ? 0U : random_.between(0U, 16U)) {
     case 4:
     case 5:
     case 6: {
@@ -38,36 +23,29 @@ Intent Asking::write(std::size_t door) {
     case 9:
       registers(intent, random_.between(kQuadsFrom, kMotionEnd - 8U), random_.between(1U, 8U));
       break;
-    case 10: {
-      const unsigned address = random_.one_of(
-          {random_.between(kPairsFrom, kPairsEnd - 1U), random_.between(kSlowFrom, kSlowEnd - 1U),
-           random_.between(kMotionFrom, kCommunicationRegister)});
-      single(intent, address);
+    case 10:
+      single(intent, random_.one_of({random_.between(kPairsFrom, kPairsEnd - 1U),
+                                     random_.between(kSlowFrom, kSlowEnd - 1U),
+                                     random_.between(kMotionFrom, kCommunicationRegister)}));
       break;
-    }
     case 11:
-      single(intent, kSilentRegister, 0x7000U | (next(place, kSilentRegister) & 0xFFFU));
+      single(intent, kSilentRegister, 0x7000U | (next(*intent.station, kSilentRegister) & 0xFFFU));
       intent.silent = true;
       break;
     case 12: mask(intent); break;
     case 13: read_and_write(intent); break;
     case 14: coils(intent); break;
     case 15: single(intent, kCommunicationRegister); break;
-    default: nameless(intent); break;
+    case 16: nameless(intent); break;
+    default: single(intent, random_.between(0U, kLiveFrom - 1U)); break;
   }
-  return intent;
-}
-
-Intent Asking::plain_write(std::size_t door) {
-  Intent intent = begin(door, Kind::write);
-  single(intent, random_.between(0U, kLiveFrom - 1U));
   return intent;
 }
 
 void Asking::registers(Intent& intent, unsigned first, unsigned count) {
   Words words;
   for (unsigned at = 0; at < count; ++at) {
-    words.push_back(next(place_of(intent), first + at));
+    words.push_back(next(*intent.station, first + at));
   }
   plan_write(intent, first, words);
 }
@@ -109,7 +87,7 @@ void Asking::plan_write(Intent& intent, unsigned first, const Words& words) cons
 
 void Asking::single(Intent& intent, unsigned address) {
   const unsigned place = door_of(intent).swapped ? partner_of(address) : address;
-  single(intent, address, next(place_of(intent), place));
+  single(intent, address, next(*intent.station, place));
 }
 
 void Asking::single(Intent& intent, unsigned address, unsigned word) const {
@@ -134,7 +112,7 @@ void Asking::mask(Intent& intent) {
                                                : random_.between(0U, kLiveFrom - 1U);
   const unsigned place = door.swapped ? partner_of(address) : address;
   const unsigned keep = random_.one_of({0x0000U, 0xFF00U, 0x00F0U});
-  const unsigned set = next(place_of(intent), kMasks + place);
+  const unsigned set = next(*intent.station, kMasks + place);
   intent.pdu = request(0x16, address + door.holding_at, keep);
   append_word(intent.pdu, set);
   intent.writes.push_back({Table::holding_registers, kMasks + place, keep << 16U | set});
@@ -152,7 +130,7 @@ void Asking::read_and_write(Intent& intent) {
   append_word(intent.pdu, count);
   intent.pdu.push_back(low(2 * count));
   for (unsigned at = first; at < first + count; ++at) {
-    const std::uint16_t word = next(place_of(intent), at);
+    const std::uint16_t word = next(*intent.station, at);
     append_word(intent.pdu, word);
     intent.writes.push_back({Table::holding_registers, at, word});
   }
@@ -162,7 +140,7 @@ void Asking::read_and_write(Intent& intent) {
 // Each coil is written by one request only: a bit cannot be told from another.
 void Asking::coils(Intent& intent) {
   constexpr unsigned kRun = 12;
-  const unsigned turn = next(place_of(intent), kTableEnd);
+  const unsigned turn = next(*intent.station, kTableEnd);
   const unsigned first = turn * kRun % (kCoils - kRun - 1U);
   if (turn >= kCoils / kRun) {
     single(intent, 0);
@@ -183,8 +161,8 @@ void Asking::coils(Intent& intent) {
 }
 
 void Asking::nameless(Intent& intent) {
-  const unsigned function = random_.one_of<unsigned>({0x08, 0x15, kOwnFunction, kOtherFunction});
-  const unsigned turn = next(place_of(intent), kOpaque + function);
+  const unsigned function = random_.one_of({0x08U, 0x15U, 0x41U, 0x64U});  // two are vendors' own
+  const unsigned turn = next(*intent.station, kOpaque + function);
   intent.pdu = function == 0x08 ? request(8, 0, turn) : request(function, turn, 0x1234);
   if (function == 0x15) {
     intent.pdu = {0x15, 9, 6, high(turn), low(turn), 0, 0, 0, 1, 1, 1};
@@ -198,7 +176,7 @@ void Asking::nameless(Intent& intent) {
 
 Intent Asking::stop(std::size_t door) {
   Intent intent = begin(door, Kind::stop);
-  const std::size_t place = place_of(intent);
+  const std::size_t place = *intent.station;
   const unsigned second = 0x5000U | (next(place, kStopRegister) & 0xFFFU);
   const auto word = [](unsigned value) { return static_cast<std::uint16_t>(value); };
   switch (random_.between(0U, 3U)) {

@@ -6,8 +6,6 @@
 
 namespace mbgate::world {
 
-using namespace std::chrono_literals;
-
 std::function<void()> Client::while_alive(std::function<void()> what) {
   return [this, life = life_, what = std::move(what)] {
     if (life == life_ && connected_) {
@@ -16,10 +14,12 @@ std::function<void()> Client::while_alive(std::function<void()> what) {
   };
 }
 
-void Client::begin() {
-  tools_.schedule.after(tools_.random.duration(0ms, 200ms), [this] {
-    tools_.driver.client_ready([this] {
-      if (asks_ && !connected_) {
+void Client::begin() { come_after(tools_.random.duration(0ms, 200ms)); }
+
+void Client::come_after(Duration delay) {
+  tools_.schedule.after(delay, [this, life = life_] {
+    tools_.driver.client_ready([this, life] {
+      if (life == life_ && asks_) {
         connect();
         plan_next();
       }
@@ -162,7 +162,7 @@ void Client::vanish() {
   tools_.report.fault("client_vanished");
   leaving_ = true;
   tools_.driver.client_ready(while_alive([this] {
-    be_gone(false);
+    be_gone();
     tools_.hand_in(gateway::ClientDisconnected{number()});
   }));
 }
@@ -184,45 +184,29 @@ void Client::half_close() {
 void Client::leave() {
   asks_ = false;
   if (connected_) {
-    be_gone(false);
+    be_gone();
     tools_.hand_in(gateway::ClientDisconnected{number()});
   }
 }
 
-void Client::closed_by_gateway() { be_gone(true); }
-
 void Client::be_cut_off() {
   if (connected_) {
-    be_gone(false);
+    be_gone();
   }
 }
 
-void Client::be_gone(bool by_gateway) {
+void Client::be_gone() {
   connected_ = false;
-  Connection& connection = tools_.ledger.connections[connection_];
-  connection.gone = tools_.schedule.now();
-  connection.closed_by_gateway = by_gateway;
+  tools_.ledger.connections[connection_].gone = tools_.schedule.now();
   for (const auto& [transaction, id] : open_) {
     tools_.ledger.asked[id].dropped = true;
   }
   tools_.gone(connection_);
   open_.clear();
-  reconnect_later();
-}
-
-void Client::reconnect_later() {
   ++life_;
-  if (!asks_) {
-    return;
+  if (asks_) {
+    come_after(tools_.random.duration(1ms, 300ms));
   }
-  tools_.schedule.after(tools_.random.duration(1ms, 300ms), [this, life = life_] {
-    tools_.driver.client_ready([this, life] {
-      if (life == life_ && asks_) {
-        connect();
-        plan_next();
-      }
-    });
-  });
 }
 
 }  // namespace mbgate::world

@@ -33,9 +33,7 @@ class Client {
 
   void begin();
   void end_asking() { asks_ = false; }
-  [[nodiscard]] const Manners& manners() const { return manners_; }
   [[nodiscard]] bool is_connected() const { return connected_; }
-  [[nodiscard]] Id connection() const { return connection_; }
   [[nodiscard]] gateway::ClientId number() const {
     return gateway::ClientId{std::uint64_t{connection_} + 1};
   }
@@ -45,7 +43,7 @@ class Client {
   void leave();
   /// It takes all answers from now on.
   void end_stall();
-  /// The process is no more.
+  /// The process is no more, or has closed it.
   void be_cut_off();
   /// The process looks into its socket after it has not run for a while.
   void be_read();
@@ -54,7 +52,6 @@ class Client {
   void take(Bytes adu);
   void pause() { paused_ = true; }
   void resume();
-  void closed_by_gateway();
 
  private:
   struct Mark {
@@ -78,8 +75,8 @@ class Client {
   void confirm();
   void vanish();
   void half_close();
-  void be_gone(bool by_gateway);
-  void reconnect_later();
+  void be_gone();
+  void come_after(Duration delay);
   [[nodiscard]] const gateway::ListenerSettings& listener() const {
     return tools_.plan.settings.listeners[manners_.listener];
   }

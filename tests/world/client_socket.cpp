@@ -8,8 +8,6 @@
 
 namespace mbgate::world {
 
-using namespace std::chrono_literals;
-
 void Client::push(std::size_t bytes) {
   const auto end = unwritten_.begin() + static_cast<std::ptrdiff_t>(bytes);
   socket_.insert(socket_.end(), unwritten_.begin(), end);

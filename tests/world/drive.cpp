@@ -42,13 +42,12 @@ std::optional<Octets> Drive::carry_out(Ledger& ledger, Id sent, Octets pdu, Inst
   const auto cells = cells_of(pdu);
   if (!cells.empty()) {
     const auto id = static_cast<Id>(ledger.done.size());
-    ledger.done.push_back({sent, number_, now, cells});
+    ledger.done.push_back({sent, now});
     const Sent& frame = ledger.sent[sent];
     const std::size_t place = frame.is_broadcast ? all_of(frame.bus) : *frame.station;
     for (const Cell& cell : cells) {
       ledger.doers[key_of(place, cell)].push_back(id);
     }
-    ledger.sent[sent].done = std::min(ledger.sent[sent].done, now);
   }
   if (fields->writes) {
     write(pdu[0], *fields, now);

@@ -5,9 +5,6 @@
 #include <utility>
 
 namespace mbgate::world {
-
-using namespace std::chrono_literals;
-
 namespace {
 
 constexpr Duration kLateness = 20ms;
@@ -26,8 +23,10 @@ constexpr std::ptrdiff_t kAtOnce = 512;  // bytes of a line
 
 }  // namespace
 
-DriverManners draw_driver(Random& random) {
+DriverManners draw_driver(Random& random, std::uint64_t seed) {
   DriverManners manners;
+  constexpr unsigned kSome = 200;
+  manners.stops = Random(seed ^ kStopsChance).chance(kSome);
   const unsigned kind = random.between(0U, 9U);
   if (kind < 3) {
     return manners;
@@ -43,11 +42,6 @@ DriverManners draw_driver(Random& random) {
   manners.slow = random.one_of({0U, 20U, 100U});
   manners.stalls = random.chance(500);
   return manners;
-}
-
-void draw_stops(DriverManners& manners, std::uint64_t seed) {
-  constexpr unsigned kSome = 200;
-  manners.stops = Random(seed ^ kStopsChance).chance(kSome);
 }
 
 Driver::Driver(const DriverManners& manners, std::size_t buses, std::uint64_t seed,
@@ -91,19 +85,6 @@ void Driver::ready(Ready it) {
 bool Driver::is_watching() const {
   return !awake_ && !stop_ && deadline_ && deadline_->ends_silence && timer_ == deadline_->at &&
          schedule_.now() >= deadline_->at - kWakeEarly;
-}
-
-void Driver::perhaps_interrupt() {
-  if (manners_.slow > 0 && random_.chance(manners_.slow)) {
-    hands_.interrupt(random_.duration(10us, kInterruption));
-  }
-}
-
-void Driver::perhaps_stop() {
-  if (manners_.stops && of_stops_.below(kWakesForAStop) == 0) {
-    hands_.fault("driver_stopped");
-    stop_ = {schedule_.now(), schedule_.now() + of_stops_.duration(kShortStop, kLongStop)};
-  }
 }
 
 void Driver::come_back() {
@@ -151,9 +132,6 @@ void Driver::forget_line(std::size_t bus) {
 
 void Driver::read_line(std::size_t bus) {
   Line& line = lines_[bus];
-  if (!line.open) {
-    return;
-  }
   while (line.open && !line.bytes.empty()) {
     const auto end = line.bytes.begin() + std::min<std::ptrdiff_t>(std::ssize(line.bytes), kAtOnce);
     const Bytes piece(line.bytes.begin(), end);
@@ -166,24 +144,6 @@ void Driver::read_line(std::size_t bus) {
   }
 }
 
-void Driver::read_lines() {
-  if (!std::exchange(unread_, false)) {
-    return;
-  }
-  for (std::size_t bus = 0; bus < lines_.size(); ++bus) {
-    read_line(bus);
-  }
-}
-
-void Driver::look(std::size_t bus, bool may_be_interrupted) {
-  if (may_be_interrupted && !judging_) {
-    perhaps_interrupt();
-  }
-  if (promises_) {
-    read_line(bus);
-  }
-}
-
 void Driver::run_soon() {
   while (!soon_.empty()) {
     const Handler handler = std::move(soon_.front());
@@ -192,30 +152,15 @@ void Driver::run_soon() {
   }
 }
 
-void Driver::take(const Ready& it) {
-  if (it.line == kNoLine) {
-    it.handler();
-  } else {
-    lines_[it.line].listed = false;
-    read_line(it.line);
-  }
-  run_soon();
-}
-
 // A machine serves its descriptors in the order of their numbers, of their readiness, or as its
 // library likes it.
 void Driver::put_in_order(std::vector<Ready>& bunch) {
   if (!manners_.any_order || bunch.size() < 2) {
     return;
   }
-  switch (random_.between(0U, 2U)) {
-    case 0:
-      std::ranges::stable_partition(bunch, [](const Ready& it) { return it.is_client; });
-      return;
-    case 1:
-      std::ranges::stable_partition(bunch, [](const Ready& it) { return !it.is_client; });
-      return;
-    default: return;
+  if (const unsigned first = random_.between(0U, 2U); first < 2) {
+    std::ranges::stable_partition(bunch,
+                                  [&](const Ready& it) { return it.is_client == (first == 0); });
   }
 }
 
@@ -231,12 +176,12 @@ void Driver::judge_deadline() {
   } else if (unread_) {
     hands_.fault("unread_at_deadline");
   }
-  judging_ = true;
-  if (promises_) {
-    read_lines();
+  if (promises_ && std::exchange(unread_, false)) {
+    for (std::size_t bus = 0; bus < lines_.size(); ++bus) {
+      read_line(bus);
+    }
   }
   hands_.deadline();
-  judging_ = false;
   run_soon();
 }
 
@@ -251,8 +196,16 @@ void Driver::wake() {
   std::vector<Ready> bunch = std::exchange(ready_, {});
   put_in_order(bunch);
   for (const Ready& it : bunch) {
-    take(it);
-    perhaps_interrupt();
+    if (it.line == kNoLine) {
+      it.handler();
+    } else {
+      lines_[it.line].listed = false;
+      read_line(it.line);
+    }
+    run_soon();
+    if (manners_.slow > 0 && random_.chance(manners_.slow)) {
+      hands_.interrupt(random_.duration(10us, kInterruption));
+    }
   }
   judge_deadline();
   awake_ = false;
@@ -260,7 +213,10 @@ void Driver::wake() {
     wakes_ = schedule_.now() + lateness();
   }
   set_timer();
-  perhaps_stop();
+  if (manners_.stops && of_stops_.below(kWakesForAStop) == 0) {
+    hands_.fault("driver_stopped");
+    stop_ = {schedule_.now(), schedule_.now() + of_stops_.duration(kShortStop, kLongStop)};
+  }
 }
 
 void Driver::set_timer() {

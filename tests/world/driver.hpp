@@ -26,10 +26,8 @@ struct DriverManners {
   bool any_order = false;
   Duration usual{0};  ///< it takes up to so long to wake up at all
 };
-/// How a machine of chance treats it.
-DriverManners draw_driver(Random& random);
-/// Whether it is stopped; with a chance of its own.
-void draw_stops(DriverManners& manners, std::uint64_t seed);
+/// How a machine of chance treats it; whether it is stopped has a chance of its own.
+DriverManners draw_driver(Random& random, std::uint64_t seed);
 
 class Driver {
  public:
@@ -71,9 +69,12 @@ class Driver {
     return stop_ ? stop_->until : bus::earlier(wakes_, timer_);
   }
   void wake();
-  /// The gateway is about to transmit: what lies in the line is handed in first. It may be
-  /// interrupted before it comes to that.
-  void look(std::size_t bus, bool may_be_interrupted);
+  /// The gateway is about to transmit: what lies in the line is handed in first.
+  void look(std::size_t bus) {
+    if (promises_) {
+      read_line(bus);
+    }
+  }
   /// The gateway may have another deadline.
   void set_timer();
   [[nodiscard]] bool is_awake() const { return awake_; }
@@ -116,13 +117,9 @@ class Driver {
 
   void ready(Ready it);
   [[nodiscard]] bool is_watching() const;
-  void perhaps_interrupt();
-  void perhaps_stop();
   void list(std::size_t bus);
   void put_in_order(std::vector<Ready>& bunch);
-  void take(const Ready& it);
   void read_line(std::size_t bus);
-  void read_lines();
   void judge_deadline();
   void run_soon();
   Duration lateness();
@@ -140,7 +137,6 @@ class Driver {
   std::optional<Instant> timer_;       ///< when it will be noticed
   std::optional<Stop> stop_;           ///< it does not run
   bool awake_ = false;
-  bool judging_ = false;      ///< it reads before a deadline: no time goes by
   bool watch_ended_ = false;  ///< bytes came while it waited for the end of a silence
   bool promises_ = true;
   bool unread_ = false;  ///< something may lie in a line's descriptor

@@ -7,8 +7,6 @@
 namespace mbgate::world {
 namespace {
 
-using namespace std::chrono_literals;
-
 constexpr std::uint64_t kSecond = 1'000'000'000;
 
 std::uint64_t rounded_up(std::uint64_t dividend, std::uint64_t divisor) {
@@ -186,13 +184,8 @@ std::uint16_t crc(Bytes bytes) {
   return static_cast<std::uint16_t>(value);
 }
 
-bool ends_in_its_crc(Bytes frame) {
-  if (frame.size() < 4) {
-    return false;
-  }
-  const unsigned expected = crc(frame.first(frame.size() - 2));
-  return frame[frame.size() - 2] == low(expected) && frame.back() == low(expected >> 8U);
-}
+// The CRC of a frame with its CRC is 0, and of no other.
+bool ends_in_its_crc(Bytes frame) { return frame.size() >= 4 && crc(frame) == 0; }
 
 Octets rtu_frame(std::uint8_t address, Bytes pdu) {
   Octets frame{address};
@@ -204,17 +197,11 @@ Octets rtu_frame(std::uint8_t address, Bytes pdu) {
 }
 
 Octets ascii_frame(std::uint8_t address, Bytes pdu) {
-  constexpr char kDigits[] = "0123456789ABCDEF";
   Octets content{address};
   content.insert(content.end(), pdu.begin(), pdu.end());
   content.push_back(lrc(content));
-  Octets frame{':'};
-  for (const std::uint8_t byte : content) {
-    frame.push_back(static_cast<std::uint8_t>(kDigits[byte / 16]));
-    frame.push_back(static_cast<std::uint8_t>(kDigits[byte % 16]));
-  }
-  frame.insert(frame.end(), {'\r', '\n'});
-  return frame;
+  const std::string frame = ':' + hex(content) + "\r\n";
+  return {frame.begin(), frame.end()};
 }
 
 Octets tcp_adu(std::uint16_t identifier, std::uint8_t unit, Bytes pdu) {

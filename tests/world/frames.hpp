@@ -15,6 +15,7 @@
 
 namespace mbgate::world {
 
+using namespace std::chrono_literals;
 using Bytes = std::span<const std::uint8_t>;
 using Octets = std::vector<std::uint8_t>;
 using bus::Duration;
@@ -45,7 +46,6 @@ std::size_t data_size_of(const Range& read);
 /// Of the longest RTU frame, and of the longest ASCII frame (Serial Line V1.02, 2.5.1 and 2.5.2).
 inline constexpr std::size_t kRtuFrame = 256;
 inline constexpr std::size_t kAsciiFrame = 513;
-inline constexpr std::size_t kLongestPdu = 253;
 inline constexpr std::uint8_t kIdentification = 0x0E;  ///< of 43, the MEI type that reads
 
 /// The word at a place, high byte first (Application Protocol V1.1b3, 4.2).

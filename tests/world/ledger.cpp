@@ -20,19 +20,14 @@ bool is_read(Bytes pdu) {
   }
 }
 
-bool is_nameless_write(Bytes pdu) {
-  const auto fields = fields_of(pdu);
-  return !is_read(pdu) && fields && !fields->writes && pdu.size() >= 5;
-}
-
 std::vector<Cell> cells_of(Bytes pdu) {
   std::vector<Cell> cells;
-  if (is_nameless_write(pdu)) {
+  const auto fields = fields_of(pdu);
+  if (fields && !fields->writes && !is_read(pdu) && pdu.size() >= 5) {
     const std::uint32_t word = std::uint32_t{word_at(pdu, 1)} << 16U | word_at(pdu, 3);
     cells.push_back({Table::holding_registers, kOpaque + pdu[0], word});
     return cells;
   }
-  const auto fields = fields_of(pdu);
   if (!fields || !fields->writes) {
     return cells;
   }

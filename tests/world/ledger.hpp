@@ -66,7 +66,6 @@ struct Connection {
   Instant opened{};
   Instant gone = kNever;         ///< the gateway was told, or has closed it itself
   Instant half_closed = kNever;  ///< likewise
-  bool closed_by_gateway = false;
 };
 
 /// A request of a client.
@@ -110,20 +109,16 @@ struct Sent {
   // What came of it, in the world:
   Instant left = kNever;         ///< its last bit has really left
   Instant heard = kNever;        ///< likewise, and nothing came before
-  Instant done = kNever;         ///< a drive carried it out
   Instant answered = kNever;     ///< a whole fitting answer has reached the kernel
   std::uint32_t exceptions = 0;  ///< that drives answered, each code a bit
   bool limited = false;          ///< the drive has taken another value
   Instant crawls = kNever;       ///< since then its answer comes, a byte and a long pause at a time
-  bool cut = false;              ///< its line was closed meanwhile
 };
 
 /// What a drive has carried out.
 struct Done {
   Id sent = kNone;
-  std::size_t drive = 0;
   Instant at{};
-  std::vector<Cell> cells{};
 };
 
 /// Bytes that reached the kernel.
@@ -148,7 +143,6 @@ struct LineBook {
   Instant heard = Instant::min();  ///< the last byte reached the kernel
   Instant said = Instant::min();   ///< its last bit on the line
   Id last = kNone;                 ///< transmission
-  Instant turnaround_end = Instant::min();
   Id halved = kNone;  ///< transmission: a part of its answer came, and nothing comes behind it
   Instant halved_at{};
 };
@@ -183,10 +177,9 @@ constexpr std::uint64_t key_of(std::size_t station, const Cell& cell) {
 
 /// A value that stops a drive of the world.
 bool is_stopping(const Cell& cell);
-/// What a request on a line writes. Empty for those that write nothing or cannot be read.
+/// What a request on a line writes; of functions that name no table, their data. Empty for those
+/// that write nothing or cannot be read.
 std::vector<Cell> cells_of(Bytes pdu);
-/// The same of functions that name no table: their data.
-bool is_nameless_write(Bytes pdu);
 /// 1 to 4, 7, 11, 12, 17, 20, 24 and 43/14.
 bool is_read(Bytes pdu);
 

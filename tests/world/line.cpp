@@ -5,9 +5,6 @@
 #include <algorithm>
 
 namespace mbgate::world {
-
-using namespace std::chrono_literals;
-
 namespace {
 
 constexpr std::uint64_t kLinesChance = 0x4C494E45ULL;
@@ -19,24 +16,13 @@ constexpr std::uint8_t kStrangers = 60;  // addresses from there on are other cl
 }  // namespace
 
 Line::Line(std::size_t bus, Surroundings& around)
-    : bus_(bus),
-      around_(around),
-      random_(around.plan.seed ^ (kLinesChance + bus)),
-      plan_(around.plan.lines[bus]),
+    : AnyWire(bus, around, kLinesChance),
       times_(around.plan.bus(bus).line),
       ascii_(around.plan.bus(bus).line.framing == bus::Framing::ascii),
       phase_(random_.duration(Duration{0}, kTick)) {}
 
 Octets Line::encode(std::uint8_t address, Bytes pdu) const {
   return ascii_ ? ascii_frame(address, pdu) : rtu_frame(address, pdu);
-}
-
-bool Line::happens(unsigned permille, const char* kind) {
-  if (permille == 0 || is_calm_ || !random_.chance(permille)) {
-    return false;
-  }
-  around_.report.fault(kind);
-  return true;
 }
 
 void Line::open() {
@@ -91,8 +77,7 @@ void Line::leave(const Frame& frame) {
     }
   }
   if (plan_.echoes) {
-    Came echo;
-    say(frame.bytes, begin, frame.bytes.size(), echo, {});
+    say(frame.bytes, begin, frame.bytes.size(), {}, {});
     echo_ = numbers_;
     if (own_damaged_) {
       garble(talks_.at(echo_));

@@ -9,7 +9,7 @@
 
 namespace mbgate::world {
 
-class Line {
+class Line : private AnyWire {
  public:
   Line(std::size_t bus, Surroundings& around);
 
@@ -61,7 +61,6 @@ class Line {
   void hand_in(const Octets& bytes, Came came);
   [[nodiscard]] Instant arrival(Instant now);
   [[nodiscard]] Octets encode(std::uint8_t address, Bytes pdu) const;
-  [[nodiscard]] bool happens(unsigned permille, const char* kind);
   void make_noise();
   void ask_as_stranger();
   void stall();
@@ -69,10 +68,6 @@ class Line {
   void lose_supply(std::size_t drive);
   void again(Duration every, void (Line::*what)());
 
-  std::size_t bus_;
-  Surroundings& around_;
-  Random random_;
-  LinePlan plan_;
   WireTimes times_;
   bool ascii_;
   std::map<std::uint64_t, Talk> talks_;
@@ -82,11 +77,8 @@ class Line {
   std::vector<Frame> kept_;                     ///< by an adapter that stalls
   std::vector<std::pair<Octets, Came>> held_;   ///< by a device server that nobody is connected to
   bool stalls_ = false;
-  std::uint64_t epoch_ = 0;
-  bool is_open_ = false;
   bool is_deaf_ = false;
   bool swallows_ = false;  ///< while it is deaf, nothing is sent either
-  bool is_calm_ = false;
   Id sending_ = kNone;
   Instant own_end_ = Instant::min();
   bool own_damaged_ = false;

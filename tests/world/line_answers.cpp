@@ -5,9 +5,6 @@
 #include "world/line.hpp"
 
 namespace mbgate::world {
-
-using namespace std::chrono_literals;
-
 namespace {
 
 /// A drive cannot answer sooner.
@@ -95,15 +92,10 @@ void Line::respond(Drive& drive, Id id) {
                       happens(drive.habits.limits, "limited");
   if (limits) {
     pdu[4] ^= 0x01U;  // what is written and echoed is another value
-    const auto done = drive.carry_out(around_.ledger, id, pdu, now);
-    around_.ledger.sent[id].limited = true;
-    if (done) {
-      answer(drive, id, *done);
-    }
-    return;
+    sent.limited = true;
   }
   const auto done = drive.carry_out(around_.ledger, id, std::move(pdu), now);
-  if (done && !happens(drive.habits.never, "never")) {
+  if (done && (limits || !happens(drive.habits.never, "never"))) {
     answer(drive, id, *done);
   }
 }
@@ -190,9 +182,7 @@ void Line::answer(Drive& drive, Id id, const Octets& answer) {
              slack + random_.duration(25ms, 200ms)};
   }
   busy = begin + times_.of(frame.size()) + pause.length;
-  const bool again = !is_calm_ && habits.second > 0 && random_.chance(habits.second);
-  if (again) {
-    around_.report.fault("second_answer");
+  if (happens(habits.second, "second_answer")) {
     Came second = came;
     second.is_second = true;
     say(frame, busy + times_.silence() + random_.duration(habits.second_from, habits.second_to),
@@ -205,17 +195,16 @@ void Line::answer(Drive& drive, Id id, const Octets& answer) {
 // leaves none that may stand in a frame.
 bool Line::spoil(const Habits& habits, Octets& pdu, Octets& frame, Came& came) {
   if (happens(habits.damaged, "damaged")) {
+    came.fits = false;
     if (habits.damages_check) {
       std::uint8_t& last = frame[frame.size() - (ascii_ ? 3U : 1U)];
       last = ascii_ ? (last == '0' ? '1' : '0') : last ^ 0x01U;
-      came.fits = false;
       came.ends_wait = true;
       return true;
     }
     constexpr std::size_t kHead = 3;  // who, what, and how much
     const std::size_t at = random_.below(frame.size() - (ascii_ ? 2U : 0U));
     frame[at] = low(ascii_ ? frame[at] | 0x80U : frame[at] ^ (1U << random_.below(8U)));
-    came.fits = false;
     came.ends_wait = !ascii_ && at >= kHead;
     return true;
   }

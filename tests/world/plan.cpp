@@ -5,14 +5,11 @@
 #include <algorithm>
 #include <string>
 
-#include "world/plan_parts.hpp"
 #include "world/rights.hpp"
 
 namespace mbgate::world {
 
-using namespace std::chrono_literals;
 using bus::Framing;
-using drive::WordOrder;
 
 namespace {
 
@@ -29,8 +26,7 @@ class Draw {
     draw_doors(plan_, random_);
     draw_guards(plan_, random_);
     draw_clients(plan_, random_);
-    plan_.driver = draw_driver(random_);
-    draw_stops(plan_.driver, plan_.seed);
+    plan_.driver = draw_driver(random_, plan_.seed);
     if (random_.chance(150)) {
       plan_.restarts_every = random_.duration(3s, 60s);
     }

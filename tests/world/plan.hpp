@@ -99,7 +99,6 @@ struct Door {
   bool windowed = false;
   unsigned holding_at = 0;  ///< client address of the first register
   unsigned input_at = 0;    ///< of input registers, shown as holding registers
-  bool names_order = false;
   bool swapped = false;
   bool read_only = false;
   std::optional<std::bitset<128>> functions{};  ///< that its route names
@@ -191,5 +190,14 @@ Plan draw_plan(std::uint64_t seed);
 void draw_timing(drive::DeviceTiming& timing, bool is_default, Random& random);
 /// From the routes' and devices' own times, as the contract has it.
 void set_deadlines(Plan& plan);
+
+// The parts that a plan is drawn in.
+/// What the settings say of a drive that has the registers of world/registers.hpp.
+void draw_profile(drive::Device& device, bool is_tcp, Random& random);
+/// Listeners, routes, and the doors that they make.
+void draw_doors(Plan& plan, Random& random);
+/// Who may write to a device, and what is written when everybody has gone.
+void draw_guards(Plan& plan, Random& random);
+void draw_clients(Plan& plan, Random& random);
 
 }  // namespace mbgate::world

@@ -3,16 +3,12 @@
 #include <algorithm>
 #include <string>
 
-#include "world/plan_parts.hpp"
+#include "world/plan.hpp"
 
 namespace mbgate::world {
 
-using namespace std::chrono_literals;
-using drive::WordOrder;
-
 namespace {
 
-constexpr unsigned kFirstUnit = 1;
 constexpr std::uint64_t kRangesChance = 0x52414E47ULL;
 constexpr std::uint64_t kFormsChance = 0x464F524DULL;
 constexpr std::uint64_t kGapsChance = 0x47415053ULL;
@@ -94,7 +90,7 @@ void add_route(Plan& plan, std::size_t at, std::uint8_t unit, Random& random) {
   route.first_address = station.address;
   route.device = station.device;
   if (random.chance(600)) {
-    route.word_order = random.one_of({WordOrder::big, WordOrder::little});
+    route.word_order = random.one_of({drive::WordOrder::big, drive::WordOrder::little});
   }
   route.access = random.chance(100) ? routing::Access::read_only : routing::Access::read_write;
   if (!plan.default_times && random.chance(500)) {
@@ -108,7 +104,6 @@ void add_route(Plan& plan, std::size_t at, std::uint8_t unit, Random& random) {
   if (random.chance(300)) {
     set_windows(route, door, random);
   }
-  door.names_order = route.word_order.has_value();
   door.swapped = route.word_order && *route.word_order != *device.word_order;
   door.read_only = route.access == routing::Access::read_only;
   add_to_routed(plan, door);
@@ -196,7 +191,7 @@ void draw_doors(Plan& plan, Random& random) {
   draw_gaps(plan);
   add_listeners(plan, random);
   draw_timeouts(plan);
-  unsigned unit = kFirstUnit;
+  unsigned unit = 1;
   for (std::size_t at = 0; at < plan.stations.size(); ++at) {
     for (unsigned count = random.between(1U, 2U); count > 0; --count) {
       add_route(plan, at, low(unit++), random);

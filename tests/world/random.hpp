@@ -8,12 +8,12 @@
 #include <random>
 #include <span>
 #include <type_traits>
-#include <vector>
 
 #include "bus/instant.hpp"
 
 namespace mbgate::world {
 
+using namespace std::chrono_literals;
 using bus::Duration;
 using bus::Instant;
 

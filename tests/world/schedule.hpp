@@ -40,18 +40,14 @@ class Schedule {
   }
   /// Time goes on; never back.
   void advance(Instant instant) { now_ = std::max(now_, instant); }
-  /// Lets the next thing happen if its time has come.
-  bool run_one() {
-    if (entries_.empty() || entries_.front().at > now_) {
-      return false;
-    }
+  /// Lets the next thing happen, whose time has come.
+  void run_one() {
     std::ranges::pop_heap(entries_, later);
     const std::uint32_t place = entries_.back().place;
     entries_.pop_back();
     const Happening happening = std::exchange(happenings_[place], nullptr);
     free_.push_back(place);
     happening();
-    return true;
   }
 
  private:

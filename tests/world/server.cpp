@@ -4,26 +4,11 @@
 #include <algorithm>
 
 namespace mbgate::world {
-
-using namespace std::chrono_literals;
-
 namespace {
 constexpr std::uint64_t kServersChance = 0x53455256ULL;
 }
 
-Server::Server(std::size_t bus, Surroundings& around)
-    : bus_(bus),
-      around_(around),
-      random_(around.plan.seed ^ (kServersChance + bus)),
-      plan_(around.plan.lines[bus]) {}
-
-bool Server::happens(unsigned permille, const char* kind) {
-  if (permille == 0 || is_calm_ || !random_.chance(permille)) {
-    return false;
-  }
-  around_.report.fault(kind);
-  return true;
-}
+Server::Server(std::size_t bus, Surroundings& around) : AnyWire(bus, around, kServersChance) {}
 
 void Server::open() {
   is_open_ = true;
@@ -123,20 +108,16 @@ void Server::respond(Drive& drive, Id id) {
   if (!fits) {
     answer->push_back(0x55);
   }
-  around_.schedule.after(wait, [this, epoch = epoch_, id, pdu = *answer, fits] {
-    if (epoch == epoch_) {
-      say(id, pdu, fits, false);
-    }
-  });
-  if (!is_calm_ && drive.habits.second > 0 && random_.chance(drive.habits.second)) {
-    around_.report.fault("second_answer");
-    const Duration again =
-        wait + random_.duration(drive.habits.second_from, drive.habits.second_to);
-    around_.schedule.after(again, [this, epoch = epoch_, id, pdu = *answer, fits] {
+  const auto say_after = [&](Duration delay, bool is_second) {
+    around_.schedule.after(delay, [this, epoch = epoch_, id, pdu = *answer, fits, is_second] {
       if (epoch == epoch_) {
-        say(id, pdu, fits, true);
+        say(id, pdu, fits, is_second);
       }
     });
+  };
+  say_after(wait, false);
+  if (happens(drive.habits.second, "second_answer")) {
+    say_after(wait + random_.duration(drive.habits.second_from, drive.habits.second_to), true);
   }
 }
 
@@ -191,12 +172,10 @@ void Server::say(Id id, const Octets& pdu, bool fits, bool is_second) {
   }
 }
 
-void Server::deliver(const Octets& bytes, const Came& came) {
-  last_byte_ = around_.schedule.now();
-  Came now = came;
-  now.at = now.said = last_byte_;
-  now.bytes = bytes.size();
-  around_.deliver(bus_, bytes, now);
+void Server::deliver(const Octets& bytes, Came came) {
+  came.at = came.said = last_byte_ = around_.schedule.now();
+  came.bytes = bytes.size();
+  around_.deliver(bus_, bytes, came);
 }
 
 void Server::begin_trouble() {

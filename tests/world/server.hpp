@@ -8,14 +8,13 @@
 
 namespace mbgate::world {
 
-class Server {
+class Server : private AnyWire {
  public:
   Server(std::size_t bus, Surroundings& around);
 
   void open();
   void close();
   void transmit(Id sent, Octets frame);
-  [[nodiscard]] std::size_t unsent() const { return 0; }
   void begin_trouble();
   void calm_down();
 
@@ -23,21 +22,13 @@ class Server {
   void heard(Id sent);
   void respond(Drive& drive, Id sent);
   void say(Id sent, const Octets& pdu, bool fits, bool is_second);
-  void deliver(const Octets& bytes, const Came& came);
+  void deliver(const Octets& bytes, Came came);
   void hang_up(const char* kind);
   void watch_idle();
   void hang();
   void lose_supply(std::size_t drive);
-  [[nodiscard]] bool happens(unsigned permille, const char* kind);
 
-  std::size_t bus_;
-  Surroundings& around_;
-  Random random_;
-  LinePlan plan_;
-  std::uint64_t epoch_ = 0;
-  bool is_open_ = false;
   bool is_mute_ = false;  ///< nothing comes on this connection any more
-  bool is_calm_ = false;
   Instant last_byte_ = Instant::min();
 };
 

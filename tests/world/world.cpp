@@ -6,9 +6,6 @@
 #include <utility>
 
 namespace mbgate::world {
-
-using namespace std::chrono_literals;
-
 namespace {
 
 constexpr std::uint64_t kWorldsChance = 0x574F524CULL;
@@ -82,7 +79,8 @@ World::World(Plan plan, bool trace)
   for (const Manners& manners : plan_.clients) {
     clients_.emplace_back(manners, tools_).begin();
   }
-  begin_changes();
+  again(plan_.restarts_every, &World::restart);
+  again(plan_.reloads_every, &World::reload);
   drain();
 }
 
@@ -200,9 +198,10 @@ void World::drain() {
   }
 }
 
-Client* World::find(gateway::ClientId number) {
+template <typename ForClient>
+Client* World::find(const ForClient* action) {
   const auto found = std::ranges::find_if(clients_, [&](const Client& client) {
-    return client.is_connected() && client.number() == number;
+    return action != nullptr && client.is_connected() && client.number() == action->client;
   });
   return found == clients_.end() ? nullptr : &*found;
 }
@@ -212,7 +211,7 @@ void World::carry_out(const gateway::Action& action) {
     trace(test::action_text(action, harness_->settings()));
   }
   if (const auto* send = std::get_if<gateway::Send>(&action)) {
-    if (Client* client = find(send->client)) {
+    if (Client* client = find(send)) {
       client->take({send->adu.data(), send->adu.size()});
     } else {
       report_.violation("nobodys_answer", "an answer for a client that has gone");
@@ -223,7 +222,7 @@ void World::carry_out(const gateway::Action& action) {
     }
   } else if (const auto* look = std::get_if<gateway::Look>(&action)) {
     if (const auto bus = bus_of(look->bus)) {
-      driver_.look(*bus, false);
+      driver_.look(*bus);
       tell_unsent(*bus);
     }
     harness_->handle(gateway::LineLooked{look->bus}, schedule_.now());
@@ -233,19 +232,13 @@ void World::carry_out(const gateway::Action& action) {
     }
   } else if (const auto* end = std::get_if<gateway::Shut>(&action)) {
     shut(static_cast<std::uint32_t>(end->bus));
-  } else if (const auto* pause = std::get_if<gateway::Pause>(&action)) {
-    if (Client* client = find(pause->client)) {
-      client->pause();
-    }
-  } else if (const auto* resume = std::get_if<gateway::Resume>(&action)) {
-    if (Client* client = find(resume->client)) {
-      client->resume();
-    }
-  } else if (const auto* close = std::get_if<gateway::Close>(&action)) {
-    if (Client* client = find(close->client)) {
-      report_.fault("closed_by_gateway");
-      client->closed_by_gateway();
-    }
+  } else if (Client* paused = find(std::get_if<gateway::Pause>(&action))) {
+    paused->pause();
+  } else if (Client* resumed = find(std::get_if<gateway::Resume>(&action))) {
+    resumed->resume();
+  } else if (Client* closed = find(std::get_if<gateway::Close>(&action))) {
+    report_.fault("closed_by_gateway");
+    closed->be_cut_off();
   } else if (const auto* report = std::get_if<gateway::Report>(&action)) {
     events_.push_back(report->event);
   } else if (std::holds_alternative<gateway::Finished>(action)) {

@@ -3,7 +3,6 @@
 // faults, then a calm one in which everything must come back.
 #pragma once
 
-#include <memory>
 #include <variant>
 
 #include "world/client.hpp"
@@ -94,14 +93,14 @@ class World {
   void given(Id asked);
   void answered(Id asked);
   std::optional<Octets> ask(std::size_t listener, Intent intent, Duration patience);
-  [[nodiscard]] Client* find(gateway::ClientId number);
+  template <typename ForClient>
+  [[nodiscard]] Client* find(const ForClient* action);
   [[nodiscard]] std::optional<std::size_t> bus_of(gateway::BusId id) const;
-  [[nodiscard]] std::size_t unsent_of(std::size_t bus) const;
   // world_changes.cpp
-  void begin_changes();
+  void again(Duration every, void (World::*event)());
   void restart();
   void reload();
-  void hand_in_settings();
+  void hand_in_settings(const gateway::Settings& settings);
   void rename_devices();
   void change_settings();
   void change_meaning();
@@ -127,7 +126,6 @@ class World {
   std::deque<Client> clients_;
   Witness nobody_;
   Witness* witness_ = &nobody_;
-  std::deque<gateway::Action> frames_;
   std::vector<bus::Loss> losses_;       ///< by bus, of what the driver will find
   std::vector<gateway::Event> events_;  ///< that the gateway has reported
   bool trace_;

@@ -3,14 +3,10 @@
 // gets other settings.
 #include <algorithm>
 
-#include "world/plan_parts.hpp"
 #include "world/rights.hpp"
 #include "world/world.hpp"
 
 namespace mbgate::world {
-
-using namespace std::chrono_literals;
-
 namespace {
 
 // Some names in turn: so some come back, and the gateway, which keeps a number for each that it has
@@ -37,29 +33,19 @@ void World::number_buses() {
   }
 }
 
-void World::begin_changes() {
-  const auto again = [this](Duration every, void (World::*event)()) {
-    schedule_.after(changes_.duration(every / 4, 2 * every), [this, event] {
+void World::again(Duration every, void (World::*event)()) {
+  if (every > Duration{0}) {
+    schedule_.after(changes_.duration(every / 4, 2 * every), [this, every, event] {
       if (!ledger_.calm && ledger_.stopping == kNever) {
+        again(every, event);
         (this->*event)();
       }
     });
-  };
-  if (plan_.restarts_every > Duration{0}) {
-    again(plan_.restarts_every, &World::restart);
-  }
-  if (plan_.reloads_every > Duration{0}) {
-    again(plan_.reloads_every, &World::reload);
   }
 }
 
 // What is on its way comes all the same, and nobody tells the new process anything.
 void World::restart() {
-  schedule_.after(changes_.duration(plan_.restarts_every / 4, 2 * plan_.restarts_every), [this] {
-    if (!ledger_.calm && ledger_.stopping == kNever) {
-      restart();
-    }
-  });
   if (draining_ || driver_.is_awake()) {
     return;
   }
@@ -81,33 +67,25 @@ void World::restart() {
 }
 
 void World::reload() {
-  schedule_.after(changes_.duration(plan_.reloads_every / 4, 2 * plan_.reloads_every), [this] {
-    if (!ledger_.calm && ledger_.stopping == kNever) {
-      reload();
-    }
-  });
   driver_.post([this] {
     if (ledger_.calm || ledger_.stopping != kNever) {
       return;
     }
     driver_.come_back();
     report_.fault("reload");
-    trace("reload");
-    ledger_.reloaded = schedule_.now();
     change_settings();
     if (plan_.meanings_change) {
       change_meaning();
     }
     take_rights();
     set_deadlines(plan_);
-    hand_in_settings();
+    change(plan_.settings);
   });
 }
 
 // A bus whose number changes is another one with the same line.
-void World::hand_in_settings() {
+void World::hand_in_settings(const gateway::Settings& settings) {
   witness_->reloaded();
-  const gateway::Settings settings = plan_.settings;
   harness_->handle(gateway::SettingsChanged{&settings}, schedule_.now());
   std::vector<std::uint32_t> before;
   std::ranges::transform(buses_, std::back_inserter(before),
@@ -125,9 +103,7 @@ void World::hand_in_settings() {
 void World::change(const gateway::Settings& settings) {
   ledger_.reloaded = schedule_.now();
   trace("reload");
-  witness_->reloaded();
-  harness_->handle(gateway::SettingsChanged{&settings}, schedule_.now());
-  drain();
+  hand_in_settings(settings);
 }
 
 // Who has written to them before is still who has written to them.
@@ -136,7 +112,7 @@ void World::rename_devices() {
   for (drive::Device& device : plan_.settings.devices) {
     device.name += "y";
   }
-  driver_.post([this] { hand_in_settings(); });
+  driver_.post([this] { hand_in_settings(plan_.settings); });
 }
 
 // Nothing of what was asked means anything else by these.
@@ -154,9 +130,6 @@ void World::change_settings() {
   }
   if (changes_.chance(60)) {
     rename(settings.buses[bus].name);
-    if (settings.buses[bus].line.remote) {
-      settings.buses[bus].line.remote->host += "";
-    }
   }
   if (changes_.chance(60) && !settings.buses[bus].line.remote) {
     report_.fault("low_latency_changed");
@@ -188,7 +161,6 @@ void World::change_meaning() {
       continue;
     }
     const bool before = door.swapped;
-    door.names_order = true;
     door.swapped = *route.word_order != *device.word_order;
     if (before != door.swapped) {
       outdate(place);

@@ -5,9 +5,6 @@
 #include "world/world.hpp"
 
 namespace mbgate::world {
-
-using namespace std::chrono_literals;
-
 namespace {
 
 constexpr Duration kRemembered = 30s;
@@ -145,15 +142,11 @@ std::optional<std::size_t> World::bus_of(gateway::BusId id) const {
   return std::nullopt;
 }
 
-std::size_t World::unsent_of(std::size_t bus) const {
-  return std::visit([](const auto& wire) { return wire.unsent(); }, wires_[bus]);
-}
-
 void World::tell_unsent(std::size_t bus) {
   if (!plan_.lines[bus].tells_unsent || !buses_[bus].open || !ledger_.lines[bus].open) {
     return;
   }
-  const std::size_t bytes = unsent_of(bus);
+  const std::size_t bytes = std::get<Line>(wires_[bus]).unsent();
   if (bytes != std::exchange(buses_[bus].unsent, bytes)) {
     harness_->handle(gateway::LineUnsent{gateway::BusId{buses_[bus].id}, bytes}, schedule_.now());
   }

@@ -4,8 +4,6 @@
 
 namespace mbgate::world {
 
-using namespace std::chrono_literals;
-
 void World::come_to_rest() {
   ledger_.calm = true;
   driver_.calm_down();

@@ -9,7 +9,6 @@
 namespace mbgate::world {
 namespace {
 
-using namespace std::chrono_literals;
 using testing::ElementsAreArray;
 
 const Octets kRead{0x03, 0x00, 0x00, 0x00, 0x01};
