@@ -3,7 +3,7 @@
 """Makes hundreds of small errors in a copy of the product, all in one set of programs, and tells which no test sees.
 
 usage: mutate.py [--count N] [--seed S] [--only FILE]... [--equivalent FILE] [--build FOLDER] [--jobs N]
-                 [--unit NAME,...] [--soak NAME] [--soak-arguments "..."]... [--list | --show N]
+                 [--unit NAME,...] [--soak NAME] [--soak-arguments "..."]... [--survivors] [--list | --show N]
 
 mutators.py finds the places in the bus, the gateway, routing and modbus where a statement can be left out, a condition
 negated, an integer shifted by one, two arguments exchanged, or a function left at once. Their order is drawn by --seed:
@@ -349,7 +349,9 @@ def try_all(mutants, unit, soak, options):
 
     def attempt(entry):
         number, mutant = entry
-        seen = (unit.try_mutant(number, mutant), soak.try_mutant(number) if soak else "-")
+        by_unit = unit.try_mutant(number, mutant)
+        is_seen = options.survivors and by_unit not in (None, "-")
+        seen = (by_unit, soak.try_mutant(number) if soak and not is_seen else "-")
         with lock:
             print(row_of(number, mutant, *seen), flush=True)
         return number, seen
@@ -388,6 +390,7 @@ def options_of():
     parser.add_argument("--unit", default=UNIT, type=lambda it: [name for name in it.split(",") if name])
     parser.add_argument("--soak", default="soak", help='the program; "" runs none')
     parser.add_argument("--soak-arguments", action="append", help="one run after the other, until one sees it")
+    parser.add_argument("--survivors", action="store_true", help="the soak runs only for what no unit test sees")
     parser.add_argument("--list", action="store_true")
     parser.add_argument("--show", type=int)
     options = parser.parse_args()
