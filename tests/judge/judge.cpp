@@ -124,8 +124,9 @@ void Judge::check_answered() {
     const auto stops = std::ranges::count_if(ledger_.asked, [&](const Asked& it) {
       return it.connection == at && it.intent.kind == Kind::stop && waits(it);
     });
-    if (asked.intent.kind != Kind::stop && !listener.one_at_a_time &&
-        (stops == 0 || !listener.ordered) && !is_overfull(at, ledger_.rested)) {
+    const bool is_replaced = listener.one_at_a_time && asked.intent.kind == Kind::broadcast;
+    if (asked.intent.kind != Kind::stop && !is_replaced && (stops == 0 || !listener.ordered) &&
+        !is_overfull(at, ledger_.rested)) {
       violation("unanswered", name(asked));
     }
   }
