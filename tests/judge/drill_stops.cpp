@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A drive loses its supply, and gets it back. Stops: how soon, how often, what they cancel, and
 // what is said of those that fail.
+#include <algorithm>
+
 #include "judge/drill.hpp"
 
 namespace mbgate::judge {

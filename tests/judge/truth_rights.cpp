@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is denied gets 01 and goes nowhere (judge.cpp, truth_writes.cpp see to the latter); what
 // waits for a right that a reload has taken gets 06, and does not go any more.
+#include <algorithm>
+
 #include "judge/rules_judge.hpp"
 
 namespace mbgate::judge {
