@@ -2,6 +2,7 @@
 // The values of a drive: which registers make up one 32- or 64-bit quantity. They never overlap.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <tuple>
 #include <vector>

@@ -43,9 +43,6 @@ class LastingState {
   Instant since_ = Instant::min();
 };
 
-/// A device that answers may have so many damaged in a row before it is shown.
-inline constexpr unsigned kDamagedInRow = 3;
-
 class DeviceHealth {
  public:
   /// The transmission at `sent` got no answer. `due`: when its response timeout ended, or would
@@ -101,6 +98,8 @@ class DeviceHealth {
   void set_wanted_at(Instant instant) { wanted_at_ = instant; }
 
  private:
+  static constexpr unsigned kDamagedInRow = 3;  // of a device that answers, before it is shown
+
   unsigned unanswered_in_row_ = 0;  // sent after the last transmission that was answered
   Instant answered_sent_ = Instant::min();
   unsigned damaged_in_row_ = 0;  // shown only
