@@ -4,7 +4,6 @@
 // server no longer sends anything.
 #pragma once
 
-#include <algorithm>
 #include <optional>
 
 #include "bus/instant.hpp"

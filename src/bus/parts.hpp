@@ -4,7 +4,6 @@
 // change them.
 #pragma once
 
-#include <algorithm>
 #include <span>
 
 #include "bus/action_queue.hpp"

@@ -5,7 +5,6 @@
 #include <exception>
 #include <fmt/core.h>
 #include <stdexcept>
-#include <string>
 #include <utility>
 
 namespace mbgate::io {

@@ -3,12 +3,12 @@
 
 #include <poll.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <iostream>
+#include <utility>
 
 namespace mbgate::signer {
 namespace {
@@ -43,17 +43,11 @@ Octets signature_or_refusal(const std::optional<KeyFile>& key, Question how,
 
 }  // namespace
 
-Door::~Door() {
-  for (const Connection& connection : connections_) {
-    ::close(connection.socket);
-  }
-}
-
 void Door::run(const sigset_t& mask, const volatile std::sig_atomic_t& ended) {
   while (ended == 0) {
     std::vector<pollfd> watched = {{listening_, POLLIN, 0}};
     for (const Connection& connection : connections_) {
-      watched.push_back({connection.socket, POLLIN, 0});
+      watched.push_back({connection.socket.get(), POLLIN, 0});
     }
     if (::ppoll(watched.data(), watched.size(), nullptr, &mask) < 0) {
       continue;  // a signal
@@ -62,8 +56,6 @@ void Door::run(const sigset_t& mask, const volatile std::sig_atomic_t& ended) {
     for (std::size_t i = 0; i < connections_.size(); ++i) {
       if (watched[i + 1].revents == 0 || answer(connections_[i])) {
         kept.push_back(std::move(connections_[i]));
-      } else {
-        ::close(connections_[i].socket);
       }
     }
     connections_ = std::move(kept);
@@ -74,22 +66,21 @@ void Door::run(const sigset_t& mask, const volatile std::sig_atomic_t& ended) {
 }
 
 void Door::accept() {
-  const int socket = ::accept4(listening_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
-  if (socket < 0) {
+  sys::UniqueFd socket(::accept4(listening_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  if (!socket.is_open()) {
     return;
   }
   if (connections_.size() >= kMostConnections) {
     std::cerr << "more than " << kMostConnections << " connections: one was closed\n";
-    ::close(socket);
     return;
   }
-  connections_.push_back({socket, std::nullopt});
+  connections_.push_back({std::move(socket), std::nullopt});
 }
 
 bool Door::answer(Connection& connection) const {
   // One byte more than the largest: what is longer shows.
   std::array<std::uint8_t, signing::kLargestMessage + 1> message{};
-  const ssize_t size = ::recv(connection.socket, message.data(), message.size(), 0);
+  const ssize_t size = ::recv(connection.socket.get(), message.data(), message.size(), 0);
   if (size < 0) {
     return errno == EAGAIN || errno == EINTR;
   }
@@ -98,7 +89,7 @@ bool Door::answer(Connection& connection) const {
   }
   const auto said = std::span<const std::uint8_t>(message).first(static_cast<std::size_t>(size));
   const Octets answer = answer_to(connection, said);
-  return ::send(connection.socket, answer.data(), answer.size(), MSG_NOSIGNAL) >= 0;
+  return ::send(connection.socket.get(), answer.data(), answer.size(), MSG_NOSIGNAL) >= 0;
 }
 
 Octets Door::answer_to(Connection& connection, std::span<const std::uint8_t> said) const {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "signer/key_file.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::signer {
 
@@ -21,16 +22,13 @@ class Door {
 
   /// The socket, one of SOCK_SEQPACKET that listens, stays the caller's.
   Door(int listening, KeyStore store) : listening_(listening), store_(std::move(store)) {}
-  Door(const Door&) = delete;
-  Door& operator=(const Door&) = delete;
-  ~Door();
 
   /// Serves until a signal has come. `mask`: the signals that are not blocked while it waits.
   void run(const sigset_t& mask, const volatile std::sig_atomic_t& ended);
 
  private:
   struct Connection {
-    int socket;
+    sys::UniqueFd socket;
     std::optional<KeyFile> key;
   };
 

@@ -19,23 +19,18 @@ constexpr std::chrono::milliseconds kBringInterval{50};
 
 }  // namespace
 
-TraceStreams::TraceStreams(Switch set_traced) { subscribers_->set_traced = std::move(set_traced); }
-
-TraceStreams::Subscription::Subscription(std::shared_ptr<Subscribers> subscribers)
-    : subscribers_(std::move(subscribers)) {
-  if (subscribers_->size++ == 0) {
-    subscribers_->set_traced(true);
+TraceStreams::Subscription TraceStreams::subscribe() {
+  Subscription subscription = subscription_.lock();
+  if (!subscription) {
+    set_traced_(true);
+    subscription.reset(this, [set_traced = set_traced_](const void*) { set_traced(false); });
+    subscription_ = subscription;
   }
-}
-
-TraceStreams::Subscription::~Subscription() {
-  if (--subscribers_->size == 0) {
-    subscribers_->set_traced(false);
-  }
+  return subscription;
 }
 
 void TraceStreams::add(TraceBatch batch) {
-  if (subscribers_->size == 0) {
+  if (subscription_.expired()) {
     return;  // it was on its way when the last one left
   }
   numbered_ += batch.taken.lost;
@@ -58,14 +53,14 @@ Result<TraceFilter, Refusal> TraceStreams::begin(std::string_view query) {
 
 boost::asio::awaitable<void> TraceStreams::feed(ControlStream& stream, TraceFilter filter,
                                                 std::function<std::string()> beside) {
-  const Subscription subscription(subscribers_);
+  const Subscription subscription = subscribe();
   std::function<std::string()> next = [this, filter = std::move(filter), last = numbered_,
                                        beside = std::move(beside)]() mutable {
     std::string text = beside ? beside() : "";
     return text += next_text(filter, last);
   };
   co_await readers_.feed(stream, std::move(next));
-  if (subscribers_->size == 1) {
+  if (subscription.use_count() == 1) {
     ring_.clear();  // nobody else reads
   }
 }

@@ -12,6 +12,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "app/control/control_target.hpp"
 #include "app/control/stream_readers.hpp"
@@ -72,7 +73,7 @@ class TraceStreams {
   /// Called when the first one comes and when the last one has gone, perhaps after this object.
   using Switch = std::function<void(bool)>;
 
-  explicit TraceStreams(Switch set_traced);
+  explicit TraceStreams(Switch set_traced) : set_traced_(std::move(set_traced)) {}
 
   /// Goes out to all of them.
   void add(TraceBatch batch);
@@ -86,28 +87,15 @@ class TraceStreams {
                                     std::function<std::string()> beside);
 
  private:
-  /// How many there are, and what is called when the first comes and the last has gone.
-  struct Subscribers {
-    std::size_t size = 0;
-    Switch set_traced;
-  };
-  /// One of them, as long as it is there.
-  class Subscription {
-   public:
-    explicit Subscription(std::shared_ptr<Subscribers> subscribers);
-    Subscription(const Subscription&) = delete;
-    Subscription& operator=(const Subscription&) = delete;
-    ~Subscription();
-
-   private:
-    std::shared_ptr<Subscribers> subscribers_;
-  };
-
+  /// Each of them holds the same one. The last that lets go of it switches the trace off.
+  using Subscription = std::shared_ptr<const void>;
+  Subscription subscribe();
   /// The text to send after the record `last`, which moves on; empty as long as there is none.
   std::string next_text(const TraceFilter& filter, std::uint64_t& last) const;
 
   StreamReaders readers_;
-  std::shared_ptr<Subscribers> subscribers_ = std::make_shared<Subscribers>();
+  Switch set_traced_;
+  std::weak_ptr<const void> subscription_;
   Ring<TraceItem> ring_{kKeptTraceBytes};
   std::uint64_t numbered_ = 0;  ///< records, also those that were lost
 };

@@ -4,8 +4,6 @@
 // for jobs that wait for it.
 #pragma once
 
-#include <optional>
-
 #include "bus/health/line_diagnosis.hpp"
 #include "bus/parts.hpp"
 #include "bus/queue/scheduler.hpp"

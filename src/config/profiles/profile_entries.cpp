@@ -3,7 +3,6 @@
 
 #include <array>
 #include <limits>
-#include <string>
 
 #include "config/toml/match_entry.hpp"
 

@@ -8,7 +8,6 @@
 #include <boost/json/serialize.hpp>
 #include <boost/json/value.hpp>
 #include <fmt/core.h>
-#include <ostream>
 #include <string_view>
 
 #include "ctl/trace/trace_event.hpp"

@@ -2,7 +2,6 @@
 #include "gateway/settings/settings_snapshot.hpp"
 
 #include <algorithm>
-#include <iterator>
 
 namespace mbgate::gateway {
 namespace {

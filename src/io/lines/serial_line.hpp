@@ -7,10 +7,8 @@
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <future>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "bus/settings.hpp"
 #include "io/lines/line.hpp"

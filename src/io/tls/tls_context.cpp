@@ -8,7 +8,6 @@
 #include <fmt/core.h>
 #include <iterator>
 #include <utility>
-#include <vector>
 
 #include "io/tls/fingerprint.hpp"
 #include "io/tls/pem_files.hpp"
