@@ -7,6 +7,7 @@ namespace mbgate::test {
 namespace {
 
 constexpr auto kTimeout = 100ms;
+constexpr auto kRun = 10min;
 
 struct Slow {
   double factor;  // of the response timeout
@@ -32,7 +33,7 @@ TEST_P(BusSlowDrive, NeverAnswersAnotherRequestAndServes) {
   const Duration at_start = 20 * kTimeout;
   run(at_start);
   const unsigned wrong_at_start = score_.wrong;
-  run(30min - at_start);
+  run(kRun - at_start);
   RecordProperty("wrong", static_cast<int>(score_.wrong));
   std::printf("factor %.1f retries %u: right %u wrong %u failed %u\n", GetParam().factor,
               GetParam().retries, score_.right, score_.wrong, score_.failed);
@@ -43,11 +44,11 @@ TEST_P(BusSlowDrive, NeverAnswersAnotherRequestAndServes) {
 TEST_P(BusSlowDrive, IsReadOnceInThreeServiceTimes) {
   start();
   add_client({"03 0064 0001", "03 0007 0001"});
-  run(30min);
+  run(kRun);
   std::printf("factor %.1f retries %u: right %u wrong %u failed %u\n", GetParam().factor,
               GetParam().retries, score_.right, score_.wrong, score_.failed);
   if (GetParam().retries > 0 && GetParam().factor <= 1.9) {
-    EXPECT_GE(score_.right, Duration(30min) / (3 * drive_.service));
+    EXPECT_GE(score_.right, Duration(kRun) / (3 * drive_.service));
   }
 }
 
@@ -78,7 +79,7 @@ TEST_P(BusSecondAnswers, AreGivenToNobodyOnceTheyAreKnown) {
   drive_.second_after = GetParam().after;
   add_client({"03 0000 0001", "10 0001 0001 02 VVVV"});
   add_client({"03 000A 0001"});
-  run(30min);
+  run(kRun);
   std::printf("share %.2f after %ld ms: right %u wrong %u failed %u, last wrong at %.1f s\n",
               GetParam().share, static_cast<long>(GetParam().after / 1ms), score_.right,
               score_.wrong, score_.failed,
@@ -101,7 +102,7 @@ TEST_F(BusLostAnswers, AreAskedForAgain) {
   add_client({"03 0000 0001", "06 0001 VVVV"});
   add_client({"03 000A 0001"});
   add_client({"03 000B 0001"});
-  run(30min);
+  run(kRun);
   std::printf("lost: right %u wrong %u failed %u\n", score_.right, score_.wrong, score_.failed);
   EXPECT_EQ(score_.wrong, 0U);
   EXPECT_LT(score_.failed, score_.right / 50);
