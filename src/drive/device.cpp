@@ -43,10 +43,12 @@ bool Device::is_stop(const modbus::Request& request) const {
 }
 
 const WriteMatch* Device::stop_at(const modbus::Request& request, std::uint32_t place) const {
-  const auto stop = std::ranges::find_if(profile.stops, [&](const WriteMatch& it) {
-    return it.address == place && writes(request, it);
-  });
-  return stop == profile.stops.end() ? nullptr : &*stop;
+  const WriteMatch* found = nullptr;
+  for (const WriteMatch& stop : profile.stops) {
+    const bool stops = stop.address == place && writes(request, stop);
+    found = stops && (found == nullptr || stop.parameters > found->parameters) ? &stop : found;
+  }
+  return found;
 }
 
 bool Device::may_be_stopped_by(const modbus::Request& request) const {

@@ -92,13 +92,13 @@ struct Device {
   [[nodiscard]] bool stands_for(std::uint8_t to) const { return has_every_unit || to == address; }
   /// Does it carry out what goes to this address, or to all in this form of broadcasts?
   [[nodiscard]] bool is_addressed_by(std::uint8_t to, std::optional<BroadcastForm> form) const {
-    return form ? form == profile.broadcast.form : stands_for(to);
+    return form ? profile.broadcast.hears(*form) : stands_for(to);
   }
   /// Does the request (05, 06, 15, 16) write nothing but values that stop the drive, and parameters
   /// of such a stop that it also writes?
   [[nodiscard]] bool is_stop(const modbus::Request& request) const;
-  /// The profile's stop that the request makes with what it writes to the address `place`; nullptr
-  /// if that does not stop the drive.
+  /// The stop that the request makes with what it writes to the address `place`; of several entries
+  /// that fit, the one with the most parameters. nullptr: that does not stop the drive.
   [[nodiscard]] const WriteMatch* stop_at(const modbus::Request& request,
                                           std::uint32_t place) const;
   /// Does the response to a write say that the drive has carried it out, or does so?

@@ -46,9 +46,11 @@ bool Profile::is_special(const TableRange& range) const {
   };
   if (std::ranges::any_of(stops, hits) ||
       std::ranges::any_of(unanswered, hits, &UnansweredWrite::match) ||
-      std::ranges::any_of(guarded, [&](const GuardedWrite& write) {
-        return write.range.count == 1 && overlap(range, write.range);
-      })) {
+      std::ranges::any_of(guarded,
+                          [&](const GuardedWrite& write) {
+                            return write.range.count == 1 && overlap(range, write.range);
+                          }) ||
+      (touches(communication, range) && !covers(communication, range))) {
     return true;
   }
   constexpr auto kHolding = modbus::Table::holding_registers;

@@ -74,6 +74,10 @@ struct Broadcast {
   std::optional<RangeList> allowed;                     ///< none: everything
   bool only = true;  ///< a drive with a form of its own hears nothing at address 0
   [[nodiscard]] bool has_own_form() const { return form && !form->is_standard(); }
+  /// Does the manual say that broadcasts in this form reach the drive?
+  [[nodiscard]] bool hears(BroadcastForm sent) const {
+    return form && (*form == sent || (sent.is_standard() && !only));
+  }
   friend bool operator==(const Broadcast&, const Broadcast&) = default;
 };
 
@@ -159,7 +163,8 @@ struct Profile {
   /// parameter group, or before the next one. 65536 if there is none.
   [[nodiscard]] std::uint32_t group_end(modbus::Table table, std::uint32_t address) const;
   /// Does a stop, a write that is never answered, a guarded register, an opcode or its position
-  /// parameter lie in the range? None of these may be moved or exchanged as part of a value.
+  /// parameter lie in the range, or a communication register beside another one? None of these may
+  /// be moved or exchanged as part of a value.
   [[nodiscard]] bool is_special(const TableRange& range) const;
   friend bool operator==(const Profile&, const Profile&) = default;
 };

@@ -112,8 +112,23 @@ Receivers everyone(const AllSent& sent) {
   return all;
 }
 
-bool stops_any(const Receivers& receivers, const Request& request) {
-  return std::ranges::any_of(receivers, [&](const Device* it) { return it->is_stop(request); });
+// Of those that may hear address 0, a drive whose manual does not say so is not known to stop.
+bool is_stopped(const Device& device, BroadcastForm form, const Request& request) {
+  return device.profile.broadcast.hears(form) && device.is_stop(request);
+}
+
+/// A device of these that the request stops; nullptr: there is none.
+const Device* first_stopped(const AllSent& sent, const Request& request,
+                            std::optional<BusId> bus = std::nullopt) {
+  for (const Sent& it : sent) {
+    const auto found = std::ranges::find_if(it.receivers, [&](const Device* device) {
+      return (!bus || it.frame.bus == *bus) && is_stopped(*device, it.frame.form, request);
+    });
+    if (found != it.receivers.end()) {
+      return *found;
+    }
+  }
+  return nullptr;
 }
 
 bool is_asked(const ResolvedRoute& resolved, const Device& device) {
@@ -214,19 +229,12 @@ AllSent all_forms(const ResolvedRoute& resolved, const Request& request) {
 
 // A stop goes on each bus where it stops a device, whatever it is to others there. On other buses
 // it would be a write that nobody has asked for, unless they hold it for one too.
-void keep_what_stops(AllSent& sent, const Request& request) {
-  const Receivers all = everyone(sent);
-  const auto stopped =
-      std::ranges::find_if(all, [&](const Device* it) { return it->is_stop(request); });
+void keep_what_stops(AllSent& sent, const Device& stopped, const Request& request) {
   const auto is_kept = [&](const Sent& one) {
-    return std::ranges::any_of(sent,
-                               [&](const Sent& it) {
-                                 return it.frame.bus == one.frame.bus &&
-                                        stops_any(it.receivers, request);
-                               }) ||
+    return first_stopped(sent, request, one.frame.bus) != nullptr ||
            (hold_it_whole(one.receivers, request) &&
-            std::ranges::all_of(one.receivers, [&](auto* it) {
-              return it->profile.name == (*stopped)->profile.name;
+            std::ranges::all_of(one.receivers, [&](const Device* it) {
+              return it->profile.name == stopped.profile.name;
             }));
   };
   AllSent kept;
@@ -242,9 +250,10 @@ Result<BroadcastFrames, ExceptionCode> plan_broadcast(const ResolvedRoute& resol
   if (sent.empty()) {
     return ExceptionCode::illegal_data_address;
   }
-  const bool is_stop = stops_any(everyone(sent), request);
+  const Device* const stopped = first_stopped(sent, request);
+  const bool is_stop = stopped != nullptr;
   if (is_stop && !resolved.route.broadcast_mixed) {
-    keep_what_stops(sent, request);
+    keep_what_stops(sent, *stopped, request);
   }
   const Receivers all = everyone(sent);
   if (reconfigures_any(resolved, all, request)) {

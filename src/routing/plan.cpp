@@ -151,7 +151,7 @@ std::optional<ExceptionCode> Plan::add_device_requests(const ResolvedRoute& reso
     return planned.error();
   }
   if (device.verify_word_order && resolved.route.word_order && !request.is_read() &&
-      touches_value(device, request)) {
+      !device.is_stop(request) && touches_value(device, request)) {
     add_question(device);
   }
   reply_ = planned->reply;

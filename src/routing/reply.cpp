@@ -44,6 +44,19 @@ Data joined_bits(Responses responses, std::span<const std::uint16_t> counts) {
   return data;
 }
 
+// With the value of the response: the drive may have limited what it was sent (`write_echo`).
+modbus::Pdu echo_of(const modbus::Request& request, const modbus::Pdu& response) {
+  constexpr std::size_t kAddressed = 3;  // function and address (6.5, 6.6)
+  const modbus::Pdu echo = modbus::echo_response(request);
+  if (response.function() != echo.function() || (echo.function() != 5 && echo.function() != 6)) {
+    return echo;
+  }
+  Data pdu(echo.bytes().begin(), echo.bytes().begin() + kAddressed);
+  const modbus::Bytes value = response.bytes().subspan(kAddressed);
+  pdu.insert(pdu.end(), value.begin(), value.end());
+  return *modbus::Pdu::from({pdu.data(), pdu.size()});
+}
+
 }  // namespace
 
 modbus::Pdu assemble(const Reply& reply, const modbus::Request& request, Responses responses,
@@ -55,7 +68,7 @@ modbus::Pdu assemble(const Reply& reply, const modbus::Request& request, Respons
   }
   switch (reply.form) {
     case Reply::Form::as_it_is: return last;
-    case Reply::Form::echo: return modbus::echo_response(request);
+    case Reply::Form::echo: return echo_of(request, last);
     case Reply::Form::registers: {
       Data data = joined_registers(responses);
       reply.exchange.apply({data.data(), data.size()});

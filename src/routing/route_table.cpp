@@ -130,14 +130,20 @@ RouteTable::Index RouteTable::route_of_form(const ResolvedRoute& resolved, Index
   if (broadcast == kNone) {
     return kNone;
   }
-  ResolvedRoute only = routes_[static_cast<std::size_t>(broadcast)];
-  if (!only.is_broadcast() || std::ranges::find(only.route.buses, bus) == only.route.buses.end()) {
+  const ResolvedRoute& to_all = routes_[static_cast<std::size_t>(broadcast)];
+  const Route& all = to_all.route;
+  if (!to_all.is_broadcast() || std::ranges::find(all.buses, bus) == all.buses.end()) {
     return kNone;
   }
-  only.route.buses = {bus};
-  if (resolved.route.access == Access::read_only) {  // both must allow it
-    only.route.access = Access::read_only;
+  ResolvedRoute only = resolved;
+  Route& route = only.route;
+  if (all.access == Access::read_only) {  // both must allow it
+    route.access = Access::read_only;
   }
+  route.functions.allowed &= all.functions.allowed;
+  route.broadcast_reply = all.broadcast_reply;
+  route.broadcast_mixed = all.broadcast_mixed;
+  only.device = nullptr;
   only.devices_of_buses = {devices_on(bus)};
   only.only_form = form;
   routes_.push_back(std::move(only));

@@ -175,20 +175,25 @@ bool leads_to_one_of(const Settings& settings, const AccessRule& rule, drive::Bu
                      std::optional<unsigned> address) {
   const auto devices = devices_of(settings, rule);
   return rule.devices.empty() || std::ranges::any_of(devices, [&](const drive::Device* device) {
-           return device->bus == bus && (!address || device->address == *address);
+           return device->bus == bus &&
+                  (!address || device->stands_for(static_cast<std::uint8_t>(*address)));
          });
 }
 
 bool leads_there(const Settings& settings, const AccessRule& rule, const ListenerSettings& listener,
                  unsigned unit) {
-  constexpr unsigned kLastUnit = 247;
-  if (!listener.bus) {
+  constexpr unsigned kOwnUnit = 255;
+  if (!listener.bus || unit == kOwnUnit) {
     return false;
   }
   if (unit == 0) {
     return listener.broadcast && leads_to_one_of(settings, rule, *listener.bus, std::nullopt);
   }
-  return unit <= kLastUnit && leads_to_one_of(settings, rule, *listener.bus, unit);
+  const bool is_routed =
+      unit <= modbus::kMaxDeviceAddress || std::ranges::any_of(settings.devices, [&](auto& device) {
+        return device.bus == *listener.bus && device.address == unit;
+      });
+  return is_routed && leads_to_one_of(settings, rule, *listener.bus, unit);
 }
 
 bool leads_there(const Settings& settings, const AccessRule& rule, const Route& route,

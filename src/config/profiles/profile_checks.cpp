@@ -52,7 +52,8 @@ void check_value(ProfileDraft& draft, std::size_t at) {
   }
   if (profile.is_special(range)) {
     entry.error("register",
-                "{} hold a stop, an opcode or its parameters, or a write that is never answered",
+                "{} hold a stop, an opcode or its parameters, a communication register, or a write "
+                "that is guarded or never answered",
                 numbers(draft.file, range));
     return;
   }

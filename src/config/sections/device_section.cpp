@@ -172,6 +172,18 @@ void read_writing(Draft& draft, TomlTable& table, drive::Device& device) {
   }
 }
 
+// Each part of a run would have to be a stop: its parameters alone are none, and come too late.
+void check_stops(TomlTable& table, const drive::Device& device) {
+  const auto& profile = device.profile;
+  if (device.write_function == 6 && !profile.position_opcodes &&
+      std::ranges::any_of(profile.stops, [](const auto& stop) { return stop.parameters > 0; })) {
+    table.error("write_function",
+                "{} has a stop with parameters, which only 16 carries in one: a run of 06 would "
+                "write them after the stop",
+                in_quotes(device.name));
+  }
+}
+
 }  // namespace
 
 void read_devices(Draft& draft) {
@@ -198,6 +210,7 @@ void read_drive(Draft& draft, TomlTable& table, drive::Device& device) {
   read_writing(draft, table, device);
   read_own_values(table, file, device);
   read_own_stops(table, device);
+  check_stops(table, device);
 }
 
 }  // namespace mbgate::config

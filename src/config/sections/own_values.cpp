@@ -52,8 +52,8 @@ std::string refusal(const Value& value, const ProfileFile* file, const drive::De
   }
   if (profile.is_special(range)) {
     return fmt::format(
-        "{} hold a stop, an opcode or its parameters, or a write that is guarded or never "
-        "answered, of {}",
+        "{} hold a stop, an opcode or its parameters, a communication register, or a write that is "
+        "guarded or never answered, of {}",
         registers, in_quotes(profile.name));
   }
   if (value.table == Table::holding_registers && profile.limits.write_registers < value.registers) {

@@ -71,6 +71,14 @@ TEST(Stop, MayHaveItsOwnParametersBehindIt) {
   EXPECT_FALSE(stops(registers(0x7D, {1, 2, 3, 4, 5})));  // the parameters alone
 }
 
+TEST(Stop, OfTwoEntriesThatFitHasTheParametersOfTheLongerOne) {
+  Device device = drive_with_stops();  // the user's own entry stands behind that of the profile
+  device.profile.stops.push_back({Table::holding_registers, 0xCB, 0xFFFF, 0, false, 2});
+  EXPECT_TRUE(device.is_stop(registers(0xCB, {0, 7, 8})));
+  EXPECT_TRUE(device.is_stop(registers(0xCB, {2})));
+  EXPECT_FALSE(device.is_stop(registers(0xCB, {2, 7, 8})));
+}
+
 TEST(Stop, IsNoOtherFunction) {
   const auto mask_write =
       modbus::Pdu::from(std::array<std::uint8_t, 7>{0x16, 0x00, 0xCA, 0xFF, 0xFE, 0x00, 0x00});

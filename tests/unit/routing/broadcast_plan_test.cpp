@@ -118,6 +118,22 @@ TEST_F(Broadcasts, SoIsItOnARouteToTheBus) {
   EXPECT_EQ(sent("05 000B FF00", 129), Texts{"no resolved"}) << "unit 0 is another bus";
 }
 
+TEST_F(Broadcasts, TheRouteToTheAicsBroadcastAddressKeepsItsWindowsAndFunctions) {
+  routing::Route own;
+  own.first_unit = own.last_unit = 29;
+  own.first_address = 129;
+  own.buses = {BusId{0}};
+  own.functions.allowed = std::bitset<128>().set(5);
+  own.windows = {{Table::coils, 0, 17, Table::coils, 10}};
+  devices = {aic()};
+  routes = {own, broadcast_route()};
+  EXPECT_EQ(sent("05 000F FF00", 29), Texts{"129 OR 80: 05 00 19 FF 00"});
+  EXPECT_EQ(sent("05 0011 FF00", 29), Texts{kIllegalAddress}) << "outside the window";
+  EXPECT_EQ(sent("06 0034 0002", 29), Texts{kNotAllowed});
+  routes[1].functions.allowed.reset(5);
+  EXPECT_EQ(sent("05 000F FF00", 29), Texts{kNotAllowed}) << "who may not broadcast";
+}
+
 TEST_F(Broadcasts, TheAicsBroadcastAddressIsOnTheLineOfItsRouteAlone) {
   routing::Route range;
   range.first_unit = range.last_unit = range.first_address = 129;
@@ -213,6 +229,18 @@ TEST_F(Broadcasts, AStopGoesInEveryFormThatCanCarryIt) {
   EXPECT_EQ(sent("05 000B FF00"), Texts{"129 OR 80: 05 00 0B FF 00"});
   devices[1].profile.communication = {{Table::holding_registers, 30, 1}};
   EXPECT_EQ(sent("06 001E 00E1"), Texts{kNotAllowed});
+}
+
+TEST_F(Broadcasts, WhatStopsOnlyADriveThatIsNotKnownToHearItIsNoStop) {
+  devices = {moons(1, {}), moons(2, {})};
+  devices[1].profile.name = "servo";
+  devices[1].profile.stops = {{Table::holding_registers, 40, 0xFFFF, 1}};
+  EXPECT_EQ(sent("06 0028 0001"), Texts{"0: 06 00 28 00 01"});
+  devices[1].profile.broadcast.form = std::nullopt;
+  EXPECT_EQ(sent("06 0028 0001"), Texts{kIllegalValue});
+  devices[1].profile.broadcast = {BroadcastForm{9, 0}, {}, {}, false};
+  EXPECT_EQ(sent("06 0028 0001"), (Texts{"0: 06 00 28 00 01", "9: 06 00 28 00 01"}))
+      << "its manual says that it hears address 0 too";
 }
 
 TEST_F(Broadcasts, AStopIsNoWriteOnLinesWhereItStopsNobody) {

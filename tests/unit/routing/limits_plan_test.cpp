@@ -36,6 +36,15 @@ TEST(LimitsPlan, AnExceptionOfAPartIsTheAnswer) {
   EXPECT_EQ(read.answer({"03 0A 0000 0001 0002 0003 0005", "83 11"}), "83 11");
 }
 
+TEST(LimitsPlan, TheEchoOfOneRegisterHasTheValueThatTheDriveTook) {
+  auto device = small_drive();
+  device.limits_values = true;
+  const Planned write(device, "06 0002 1388");
+  EXPECT_EQ(write.answer({"06 0002 03E8"}), "06 00 02 03 E8");
+  device.write_function = 16;
+  EXPECT_EQ(Planned(device, "06 0002 1388").answer({"10 0002 0001"}), "06 00 02 13 88");
+}
+
 TEST(LimitsPlan, JoinsBits) {
   auto device = small_drive();
   device.profile.limits.read[0] = 3;

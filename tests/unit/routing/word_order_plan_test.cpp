@@ -36,6 +36,17 @@ TEST(WordOrderPlan, ARouteWithoutAnOrderExchangesNothing) {
   EXPECT_EQ(Planned(device, "10 0005 0002 04 0001 0002", {}).requests(), Texts{kIllegalValue});
 }
 
+TEST(WordOrderPlan, AsksADriveForItsOrderBeforeValuesAreWrittenButNotBeforeAStop) {
+  auto device = small_drive();
+  device.verify_word_order = true;
+  device.profile.word_order_register = drive::WordOrderRegister{5, {5}, {133}};
+  device.profile.stops = {{Table::holding_registers, 9, 0xFFFF, 0xE1, false, 2}};
+  EXPECT_EQ(Planned(device, "10 0009 0003 06 00E2 0001 0002").requests(),
+            (Texts{"03 00 05 00 01", "10 00 09 00 03 06 00 E2 00 02 00 01"}));
+  EXPECT_EQ(Planned(device, "10 0009 0003 06 00E1 0001 0002").requests(),
+            Texts{"10 00 09 00 03 06 00 E1 00 02 00 01"});
+}
+
 TEST(WordOrderPlan, WidensAReadOfHalfAValueAndTrimsTheAnswer) {
   const auto device = small_drive();
   const Planned high(device, "03 0004 0001");
