@@ -72,8 +72,10 @@ void Bus::handle_lost(Instant now, Loss loss) {
     link.stop();
   }
   ends_.end_running(Ending::closed);
-  // A stop that waited for the line has it opened again at once.
-  ends_.end_waiting(Ending::closed, !was_open || parts_.stopping);
+  // A stop has the line opened at once, and only the failure of that is its end.
+  ends_.end_waiting(Ending::closed, parts_.stopping ? Instant::max()
+                                    : was_open      ? Instant::min()
+                                                    : link.tried_at());
   dispatch_.pump(now);
 }
 
@@ -173,14 +175,14 @@ void Bus::abandon(Job& job) {
 void Bus::stop(Instant now) {
   parts_.stopping = true;
   parts_.link.stop();
-  ends_.end_waiting(Ending::cancelled, false);
+  ends_.end_waiting(Ending::cancelled, Instant::min());
   dispatch_.pump(now);
 }
 
 void Bus::give_up(Instant now) {
   parts_.line.abort();
   ends_.end_running(Ending::no_answer);
-  ends_.end_waiting(Ending::cancelled, true);
+  ends_.end_waiting(Ending::cancelled, Instant::max());
   dispatch_.pump(now);
 }
 

@@ -92,11 +92,10 @@ struct Job {
   std::size_t current = 0;        ///< the transaction whose turn it is
   Transmission* leads = nullptr;  ///< from its first transmission on; a stop at once
   Instant accepted_at;
-  bool was_on_wire = false;    ///< something that its client asked for was transmitted
-  bool abandoned = false;      ///< its client is gone: no further transmission
-  bool overtaken = false;      ///< cancelled by a stop of its device: no further transmission
-  bool probes_freely = false;  ///< it may probe only because there are no ordinary requests
-  bool accepted = false;       ///< the bus has it
+  bool was_on_wire = false;  ///< something that its client asked for was transmitted
+  bool abandoned = false;    ///< its client is gone: no further transmission
+  bool overtaken = false;    ///< cancelled by a stop of its device: no further transmission
+  bool accepted = false;     ///< the bus has it
 
   /// Is it in the queue? Stops never are.
   [[nodiscard]] bool is_waiting() const { return queue_hook.is_linked(); }

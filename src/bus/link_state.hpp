@@ -68,9 +68,15 @@ class LinkState {
     delay_ = answered ? settings.reopen_min : delay_;
   }
   /// An adapter hangs: it is being closed and opened again.
-  void restart() { state_ = State::reopening; }
+  void restart(Instant now) {
+    state_ = State::reopening;
+    tried_at_ = now;
+  }
   /// After rest(): an attempt to open it runs.
-  void wake() { state_ = State::waking; }
+  void wake(Instant now) {
+    state_ = State::waking;
+    tried_at_ = now;
+  }
   /// A stop waits: the next attempt is due now, but no sooner than `reopen_min` after the last one.
   void hurry(const BusSettings& settings, Instant now) {
     if (reopen_at_) {
@@ -89,6 +95,8 @@ class LinkState {
     return true;
   }
   [[nodiscard]] std::optional<Instant> next_attempt() const { return reopen_at_; }
+  /// When the last attempt to open it again began.
+  [[nodiscard]] Instant tried_at() const { return tried_at_; }
 
  private:
   enum class State : std::uint8_t {

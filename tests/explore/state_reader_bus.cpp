@@ -33,9 +33,8 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
     // Perhaps a deadline that nothing comes near to; a longer wait can be read from its reasons.
     hash.until(std::min(timer.at, hash.now() + std::chrono::seconds(1)));
   }
-  const auto& [of_settings, of_devices, next_probe, others, free_probes, others_gone_at] = probes;
+  const auto& [of_settings, of_devices, next_probe, others, others_gone_at] = probes;
   hash.add(others);
-  hash.add(free_probes);
   if (may_be_offline) {
     hash.until(next_probe);
     hash.since(others_gone_at, settings.timing.probe_interval);
@@ -137,8 +136,8 @@ void StateReader::read(const bus::Job* job, gateway::Gateway& gateway, Hash& has
   // Where it is linked is told by who shows it: hooks, leads. A name only: number.
   const auto& [queue_hook, deadline_hook, write_hook, number, owner, source, weight, job_class,
                sequence, deadline, transactions, current, leads, accepted_at, was_on_wire,
-               abandoned, overtaken, probes_freely, accepted] = *job;
-  for (const bool flag : {was_on_wire, abandoned, overtaken, probes_freely, accepted}) {
+               abandoned, overtaken, accepted] = *job;
+  for (const bool flag : {was_on_wire, abandoned, overtaken, accepted}) {
     hash.add(flag);
   }
   hash.add(source);
@@ -223,13 +222,14 @@ void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing,
   const auto& [unanswered, pending, is_doubtful, is_decisive, suspected_now, held_until, pace,
                heard_at, tails, silent, rests_until, rested_at, answered, was_sudden, seconds,
                clean, longest_second] = hold;
-  const auto& [longest_answer, longest_before, shortest_answer, shortest_before, while_began,
-               learned, learned_at] = pace;
+  // No registers are slow: is_slow, longest_ordinary, ordinary_before.
+  const auto& [longest_answer, longest_before, longest_ordinary, ordinary_before, shortest_answer,
+               shortest_before, while_began, learned, learned_at] = pace;
   require(longest_before == Duration{0}, "a short life");
   hash.add(unanswered.size());
   for (const bus::Hold::Unanswered& it : unanswered) {
-    const auto& [asked, sent, due, is_unreadable, is_retry, may_be_answered, is_outdated, is_over,
-                 was_replaced, suspected] = it;
+    const auto& [asked, sent, due, is_unreadable, is_retry, may_be_answered, is_slow, is_outdated,
+                 is_over, was_replaced, suspected] = it;
     hash.add(asked.pdu().bytes());
     hash.since(sent, kFarPast);
     hash.since(due, kFarPast);

@@ -97,13 +97,14 @@ void StateReader::read(const gateway::Exchange& exchange, gateway::Gateway& gate
   // answers have no place: answer. For the trace: ended_as.
   // Whatever is asked from now on has a later number: arrival, sequence.
   const auto& [snapshot, route, client, listener, address, client_gone, arrival, deadline, sequence,
-               is_held, is_replaced, answer, header, plan, parts, response, failed, was_on_wire,
-               wrong_word_order, had_no_path, ended_as] = exchange;
+               is_stop, is_held, is_replaced, answer, header, plan, parts, response, failed,
+               was_on_wire, wrong_word_order, had_no_path, ended_as] = exchange;
   require(plan && !is_held && !is_replaced, "a request of a client that is on the bus");
   hash.add(client);
   hash.add(header.transaction);
   hash.add(header.unit);
-  for (const bool flag : {client_gone, failed, had_no_path, was_on_wire, wrong_word_order}) {
+  for (const bool flag :
+       {client_gone, is_stop, failed, had_no_path, was_on_wire, wrong_word_order}) {
     hash.add(flag);
   }
   hash.add(response.has_value());

@@ -14,21 +14,24 @@ class AnswerPace {
  public:
   /// An answer came; `took`: from the end of the transmission. If it may also be the answer to an
   /// earlier transmission, `or_took` is the time from the end of that one, and counts unless the
-  /// device is known to answer as fast as `took`. True: it came clearly sooner than any other
-  /// answer of the last minute.
-  bool note_answer(Duration took, Duration or_took, Instant now) {
+  /// device is known to answer as fast as `took`. `is_ordinary`: not of slow registers. True: it
+  /// came clearly sooner than any other answer of the last minute.
+  bool note_answer(Duration took, Duration or_took, Instant now, bool is_ordinary = true) {
     if (now - while_began_ >= kRecently) {
       const bool is_recent = now - while_began_ < 2 * kRecently;
       longest_before_ = is_recent ? longest_answer_ : Duration{0};
+      ordinary_before_ = is_recent ? longest_ordinary_ : Duration{0};
       shortest_before_ = is_recent ? shortest_answer_ : Duration::max();
-      longest_answer_ = Duration{0};
+      longest_answer_ = longest_ordinary_ = Duration{0};
       shortest_answer_ = Duration::max();
       while_began_ = now;
     }
     const Duration shortest = std::min(shortest_answer_, shortest_before_);
     const bool is_first = shortest == Duration::max();
     const bool is_sudden = !is_first && took < shortest - shortest / kSuddenPart;
-    longest_answer_ = std::max(longest_answer_, is_first || is_sudden ? or_took : took);
+    const Duration counted = is_first || is_sudden ? or_took : took;
+    longest_answer_ = std::max(longest_answer_, counted);
+    longest_ordinary_ = std::max(longest_ordinary_, is_ordinary ? counted : Duration{0});
     shortest_answer_ = std::min(shortest_answer_, took);
     return is_sudden;
   }
@@ -44,6 +47,10 @@ class AnswerPace {
   /// The longest that an answer took in the last minute, and in the one before.
   [[nodiscard]] Duration longest_answer() const {
     return std::max(longest_answer_, longest_before_);
+  }
+  /// The same without answers of slow registers.
+  [[nodiscard]] Duration longest_ordinary() const {
+    return std::max(longest_ordinary_, ordinary_before_);
   }
   /// How long a quarantine must be to cover what was seen of late answers. It shrinks by an eighth
   /// in each minute in which none came that the rest would not cover.
@@ -68,6 +75,8 @@ class AnswerPace {
 
   Duration longest_answer_{0};  // in this period, and in the one before
   Duration longest_before_{0};
+  Duration longest_ordinary_{0};
+  Duration ordinary_before_{0};
   Duration shortest_answer_ = Duration::max();
   Duration shortest_before_ = Duration::max();
   Instant while_began_;

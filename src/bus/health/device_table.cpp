@@ -135,6 +135,7 @@ void DeviceTable::end_write(const Job& write) {
 void DeviceTable::take_over(DeviceTable& before) {
   for (std::size_t address = 0; address < kAddresses; ++address) {
     entries_.at(address).hold = std::move(before.entries_.at(address).hold);
+    entries_.at(address).free_at = before.entries_.at(address).free_at;
   }
 }
 

@@ -41,7 +41,7 @@ void Hold::add(const Sent& sent, bool is_unreadable) {
     unanswered_.erase(unanswered_.begin());
   }
   unanswered_.emplace_back(Unanswered{sent.asked, sent.sent, sent.due, is_unreadable, sent.is_retry,
-                                      sent.may_be_answered});
+                                      sent.may_be_answered, sent.is_slow});
   unanswered_.back().suspected = std::exchange(suspected_, Duration{0});
 }
 
@@ -73,7 +73,7 @@ void Hold::note_answered(const Sent& sent, modbus::Bytes response, Duration took
   }
   pending_.reset();
   suspected_ = Duration{0};
-  was_sudden_ = pace_.note_answer(took, took + since_earlier, now);
+  was_sudden_ = pace_.note_answer(took, took + since_earlier, now, !sent.is_slow);
   heard_at_ = now;
   if (answered_.size() == kMostAnswered) {
     answered_.erase(answered_.begin());
@@ -116,7 +116,7 @@ bool Hold::note_asked(const modbus::Request* asked, Instant now, const Timing& t
   settle(now, timing);
   if (forgets && asked != nullptr && !(held_until_ && now < *held_until_)) {
     std::erase_if(unanswered_, [&](const Unanswered& it) {
-      return it.is_over && it.asked.pdu() == asked->pdu();
+      return it.is_over && !it.is_outdated && it.asked.pdu() == asked->pdu();
     });
   }
   const bool is_in_doubt = is_doubtful_ && !unanswered_.empty();
@@ -207,7 +207,7 @@ std::optional<Hold::Late> Hold::note_late(modbus::Bytes response, Instant came,
   pace_.note_late(covering, came);
   if (late.lateness > Duration{0}) {
     const Duration took = late.lateness + timing.response_timeout;
-    pace_.note_answer(took, took, came);
+    pace_.note_answer(took, took, came, !found->is_slow);
   }
   heard_at_ = came;
   close(found, came, timing);
@@ -268,7 +268,7 @@ Instant Hold::until(const Timing& timing) const {
 template <typename Predicate>
 Instant Hold::end_of_tails(const Timing& timing, Predicate holds, bool decides) const {
   const Instant held = std::max(held_until_.value_or(Instant::min()), rests_until_);
-  const Instant begin = decides ? heard_at_ + timing.probe_timeout_or_default() : held;
+  const Instant begin = decides ? heard_at_ + timing.response_timeout + kAdapterKeeps : held;
   Instant until = std::max(begin, end_of_seconds(timing));
   for (const Unanswered& it : unanswered_) {
     until = holds(it) ? std::max(until, end_of_tail(it, timing)) : until;

@@ -50,6 +50,7 @@ class Hold {
     bool is_retry = false;
     bool may_be_answered = false;  ///< what came may be its answer, or its echo
     bool is_probe = false;         ///< its response timeout is short
+    bool is_slow = false;          ///< it reads or writes slow registers
   };
   /// No answer came to it.
   void note_unanswered(const Sent& sent) { add(sent, false); }
@@ -63,8 +64,9 @@ class Hold {
   void note_answered(const Sent& sent, modbus::Bytes response, Duration took, Instant now,
                      const Timing& timing);
   /// A request is sent to the device, and is open from now on; nullptr: nothing ever answers it.
-  /// `forgets`: an offline device may have lost the same request that it was sent before. Returns
-  /// whether an answer within a probe's time will show that the device owes nothing else.
+  /// `forgets`: an offline device may have lost the same request that it was sent before, with no
+  /// write to it since. Returns whether an answer within a probe's time will show that the device
+  /// owes nothing else.
   bool note_asked(const modbus::Request* asked, Instant now, const Timing& timing, bool forgets);
   /// A write is sent to the device. From now on the answer to another one, sent before it, no
   /// longer proves that that one, sent once more, was carried out. After a stop this is so only for
@@ -107,6 +109,8 @@ class Hold {
   [[nodiscard]] Duration tail(Instant now, const Timing& timing) const;
   /// The longest answer of the last minute or two, late ones included; 0: there was none.
   [[nodiscard]] Duration longest_answer() const { return pace_.longest_answer(); }
+  /// The same without answers of slow registers.
+  [[nodiscard]] Duration longest_ordinary() const { return pace_.longest_ordinary(); }
 
  private:
   struct Unanswered {
@@ -116,6 +120,7 @@ class Hold {
     bool is_unreadable;
     bool is_retry;
     bool may_be_answered;
+    bool is_slow;
     bool is_outdated = false;  ///< a write, and another write has gone to the device since
     bool is_over = false;      ///< its tail
     /// An answer came to it, and was taken for that of an earlier one.

@@ -186,7 +186,7 @@ void LineDiagnosis::note_unsolicited(const UnsolicitedFrame& unsolicited) {
     }
     return;
   }
-  const auto late = unsolicited.is_response
+  const auto late = !unsolicited.is_request
                         ? entry.hold.note_late(unsolicited.pdu.bytes(), unsolicited.came,
                                                entry.in_force(), entry.health.is_offline())
                         : std::optional<Hold::Late>();

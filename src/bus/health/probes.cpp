@@ -2,52 +2,40 @@
 #include "bus/health/probes.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace mbgate::bus {
 namespace {
 
 constexpr int kPercent = 100;
 
-/// So long may a request to an offline device wait for others of its kind: what a client waits for
-/// a silent device anyway.
-constexpr Duration kLongestProbing = std::chrono::seconds(1);
-
 }  // namespace
 
 // Offline devices take turns: the one that was asked longest ago goes first, if anybody still asks
-// for it. While nobody else asks, some may wait for their turn, so that the bus is never idle.
+// for it, and it may be asked.
 bool Probes::may_ask(const Job& job, Instant now) const {
   const DeviceEntry& entry = devices_[job.address()];
-  const bool freely = nobody_else_asks(now);
-  if (entry.probe != nullptr || (!freely && now < next_at_) || now < entry.health.probe_at()) {
+  if (now < entry.health.probe_at() || (!nobody_else_asks(now) && now < next_at_)) {
     return false;
   }
-  const auto ahead = std::ranges::count_if(devices_.entries(), [&](const DeviceEntry& other) {
-    const bool goes_first = other.health.is_offline() &&
-                            other.health.probe_at() < entry.health.probe_at() &&
+  const bool holds = !settings_.has_identifiers();
+  return std::ranges::none_of(devices_.entries(), [&](const DeviceEntry& other) {
+    const bool is_held = now < other.free_at || (holds && now < other.hold.until(other.in_force()));
+    const bool goes_first = !is_held && other.health.probe_at() < entry.health.probe_at() &&
                             now < other.health.wanted_at() + other.in_force().probe_interval;
-    return other.probe != nullptr || goes_first;
+    return other.health.is_offline() && (other.probe != nullptr || goes_first);
   });
-  return ahead < (freely ? std::max<std::int64_t>(
-                               kLongestProbing / entry.in_force().probe_timeout_or_default(), 1)
-                         : 1);
 }
 
-bool Probes::note_accepted(Job& job, Instant now) {
+void Probes::note_accepted(Job& job) {
   DeviceEntry& entry = devices_[job.address()];
   if (!entry.health.is_offline() || job.job_class == JobClass::stop || job.is_broadcast()) {
     ++others_;
-    return false;
+  } else {
+    entry.probe = &job;
   }
-  entry.probe = &job;
-  job.probes_freely = nobody_else_asks(now);
-  free_ += job.probes_freely ? 1U : 0U;
-  return true;
 }
 
-void Probes::note_released(Job& job, Instant at) {
-  free_ -= std::exchange(job.probes_freely, false) ? 1U : 0U;
+void Probes::note_released(const Job& job, Instant at) {
   DeviceEntry& entry = devices_[job.address()];
   if (entry.probe == &job) {
     entry.probe = nullptr;

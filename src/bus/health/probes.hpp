@@ -16,19 +16,17 @@ class Probes {
   Probes(const BusSettings& settings, DeviceTable& devices)
       : settings_(settings), devices_(devices) {}
 
-  /// May this request to an offline device wait for its turn now? Whatever else holds its device
-  /// back is not considered.
+  /// May this request to an offline device be its probe now? Whatever else holds its device back is
+  /// not considered.
   [[nodiscard]] bool may_ask(const Job& job, Instant now) const;
-  /// The bus has accepted the job. False if it is not a probe but an ordinary request.
-  bool note_accepted(Job& job, Instant now);
+  /// The bus has accepted the job, which is a probe or an ordinary request.
+  void note_accepted(Job& job);
   /// The bus no longer has the job.
-  void note_released(Job& job, Instant at);
+  void note_released(const Job& job, Instant at);
   /// If the transmission is a probe: it was left unanswered, or its answer was damaged or cut off.
   void note_unanswered(const Transmission& probe, Instant now);
   /// The next probes of all offline devices are due now.
   void expect_others(Instant now);
-  /// Are there probes that may wait only because there are no ordinary requests?
-  [[nodiscard]] bool any_free() const { return free_ > 0; }
 
  private:
   [[nodiscard]] bool nobody_else_asks(Instant now) const {
@@ -39,7 +37,6 @@ class Probes {
   DeviceTable& devices_;
   Instant next_at_ = Instant::min();  // of all devices, while there are ordinary requests
   std::size_t others_ = 0;            // jobs of this bus that are not probes
-  std::size_t free_ = 0;              // probes accepted because there were no ordinary requests
   Instant others_gone_at_ = Instant::min();
 };
 

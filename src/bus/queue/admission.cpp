@@ -46,10 +46,7 @@ Admitted Admission::admit(Job& job, Instant now) {
   if (job.job_class != JobClass::read) {
     parts_.devices.begin_write(job);
   }
-  note_changed(job);
-  if (!parts_.probes.note_accepted(job, now)) {
-    ends_.end_free_probes(now);
-  }
+  parts_.probes.note_accepted(job);
   return Admitted::waits;
 }
 
@@ -71,19 +68,6 @@ bool Admission::is_stop(const Job& job) const {
   };
   return job.is_broadcast() ? std::ranges::any_of(job.transactions, is_part)
                             : std::ranges::all_of(job.transactions, is_part);
-}
-
-// A stop that comes behind it goes first again. What its owner calls a stop may be none.
-void Admission::note_changed(const Job& job) {
-  if (job.job_class == JobClass::read) {
-    return;
-  }
-  const bool stops = job.job_class == JobClass::stop && is_stop(job);
-  if (job.is_broadcast()) {
-    stops ? parts_.acknowledged.forget_single() : parts_.acknowledged.forget_all();
-  } else if (!stops) {
-    parts_.acknowledged.forget(job.address());
-  }
 }
 
 std::optional<Ending> Admission::end_at_once(Job& job, Instant now) {

@@ -25,7 +25,6 @@ class Admission {
  private:
   void classify(Job& job) const;
   [[nodiscard]] bool is_stop(const Job& job) const;
-  void note_changed(const Job& job);
   std::optional<Ending> end_at_once(Job& job, Instant now);
   bool take_cached(Job& job, Instant now);
   bool push(Job& job);

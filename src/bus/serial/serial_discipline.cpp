@@ -87,6 +87,9 @@ void SerialDiscipline::limit_wait(const Transaction& /*transaction*/, Duration l
 }
 
 bool SerialDiscipline::handle_looked(Instant now) {
+  if (transaction_ == nullptr && silence_.is_silent(now)) {
+    framer_.listen();  // what only silence ends, before it is counted what is owed
+  }
   const bool is_over =
       transaction_ == nullptr ? is_answerless_ : now >= response_due_ && !framer_.in_progress();
   if (unsent_ == 0 || !is_over || now < silence_.emission_ends() + kDriverIsLate) {
@@ -208,6 +211,12 @@ std::optional<UnsolicitedFrame> SerialDiscipline::take_unsolicited() {
   auto unsolicited = refused_.take();
   if (!unsolicited && !end_) {
     unsolicited = framer_.take_unsolicited();
+    const bool is_of_asked =
+        unsolicited && transaction_ != nullptr && unsolicited->address == transaction_->address;
+    if (const auto late = is_of_asked ? first_fit(owed_, unsolicited->pdu) : owed_.end();
+        late != owed_.end()) {
+      owed_.erase(late);  // it has come, and is not owed any more
+    }
   }
   if (unsolicited) {
     unsolicited->is_echo = echo_.is_of_read(unsolicited->address, unsolicited->pdu);

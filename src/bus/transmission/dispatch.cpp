@@ -107,7 +107,7 @@ bool Dispatch::reopen_if_hung(Instant now) {
       !parts_.adapter.is_hung(parts_.settings, now)) {
     return false;
   }
-  parts_.link.restart();
+  parts_.link.restart(now);
   forget_look();
   const ReopenLine reopen{parts_.adapter.silence(now), parts_.adapter.requests(),
                           parts_.adapter.note_reopening()};
@@ -128,7 +128,7 @@ void Dispatch::wait_for_line(Instant now) {
   const bool is_wanted =
       !parts_.transmissions.running().empty() || parts_.queue.size() > 0 || !parts_.stops.empty();
   if (parts_.link.is_resting() && is_wanted) {
-    parts_.link.wake();
+    parts_.link.wake(now);
     parts_.actions.push(OpenLine{});
   }
   if (!parts_.link.is_closed()) {

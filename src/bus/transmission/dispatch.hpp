@@ -53,6 +53,7 @@ class Dispatch {
   void skip_known_settings(Transmission& transmission) const;
   void check_allowed(const Transmission& transmission, Instant now) const;
   bool note_asked(const Transmission& transmission, Instant now);
+  void note_changing(const Transaction& sent);
   drive::DeviceTiming note_transmission(Transmission& transmission, Instant now);
 
   Parts& parts_;

@@ -93,6 +93,20 @@ bool Dispatch::note_asked(const Transmission& transmission, Instant now) {
   return is_decisive && parts_.quarantines();
 }
 
+// Where anything but a stop is done to a device, the next stop is urgent again. What its owner
+// calls a stop may be none.
+void Dispatch::note_changing(const Transaction& sent) {
+  const bool stops = parts_.devices.is_stop(sent.address, sent.request, sent.broadcast);
+  if (sent.request.is_read()) {
+    return;
+  }
+  if (sent.is_broadcast()) {  // to others than those that it stops it may be an ordinary write
+    stops ? parts_.acknowledged.forget_single() : parts_.acknowledged.forget_all();
+  } else if (!stops) {
+    parts_.acknowledged.forget(sent.address);
+  }
+}
+
 // Keeps the books of it; returns the times that hold for it.
 drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Instant now) {
   Job& job = *transmission.leader;
@@ -121,6 +135,7 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
     counters.probes += transmission.is_probe ? 1U : 0U;
   }
   parts_.devices.note_reconfiguring(sent);
+  note_changing(sent);
   parts_.last_sent.note(job.job_class, sent.address);
   ++counters.transmissions;
   counters.stops += transmission.is_stop() ? 1U : 0U;

@@ -19,7 +19,7 @@ bool is_stopped_by(const Parts& parts, const Job& stop, const Job& write) {
     const bool stopped = std::ranges::any_of(stop.transactions, [&](const Transaction& it) {
       return reaches(it) && (!it.is_broadcast() || device.is_stop(it.request));
     });
-    return stopped && std::ranges::any_of(write.transactions, reaches);
+    return stopped && (write.is_broadcast() || std::ranges::any_of(write.transactions, reaches));
   };
   return std::ranges::any_of(parts.devices.devices(), stops_device);
 }
@@ -130,15 +130,16 @@ void JobEnds::end_running(Ending ending) {
   }
 }
 
-void JobEnds::end_waiting(Ending ending, bool stops_too) {
+void JobEnds::end_waiting(Ending ending, Instant stops_since) {
   while (Job* job = parts_.queue.first_to_expire()) {
     parts_.queue.remove(*job);
     end(*job, ending);
   }
-  if (stops_too) {
+  const auto is_over = [&](const Transmission& it) { return it.waits_since <= stops_since; };
+  if (parts_.stops.find_any(is_over) != nullptr) {
     parts_.stops.wake(Instant::max());
   }
-  while (Transmission* stop = stops_too ? parts_.stops.first() : nullptr) {
+  while (Transmission* stop = parts_.stops.find_any(is_over)) {
     parts_.stops.remove(*stop);
     finish(*stop, ending);
   }
@@ -163,21 +164,6 @@ void JobEnds::end_queued(Predicate is_one, Ending ending, std::uint64_t& count) 
 void JobEnds::end_waiting_for(std::uint8_t address) {
   end_queued([&](const Job& job) { return !job.is_broadcast() && job.address() == address; },
              Ending::offline, parts_.counters.refused_offline);
-}
-
-void JobEnds::end_free_probes(Instant now) {
-  if (!parts_.probes.any_free()) {
-    return;
-  }
-  const auto is_free_probe = [&](const Job& job) {
-    DeviceHealth& health = parts_.devices[job.address()].health;
-    if (!job.probes_freely || !health.is_offline()) {
-      return false;
-    }
-    health.set_wanted_at(now);
-    return true;
-  };
-  end_queued(is_free_probe, Ending::offline, parts_.counters.refused_offline);
 }
 
 void JobEnds::end_repeats() {

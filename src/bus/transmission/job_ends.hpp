@@ -27,12 +27,10 @@ class JobEnds {
   /// Ends running jobs that are not on the wire and of which nothing more is to be sent.
   void end_over(Instant now);
   void end_running(Ending ending);
-  void end_waiting(Ending ending, bool stops_too);
+  /// Ends the jobs that wait, of stops those that have waited since then or longer.
+  void end_waiting(Ending ending, Instant stops_since);
   /// The device at the address is offline: ends the jobs that wait for it.
   void end_waiting_for(std::uint8_t address);
-  /// There is an ordinary request now: ends waiting probes that were accepted only because there
-  /// was none.
-  void end_free_probes(Instant now);
   /// Ends writes that were to be repeated and no longer may be.
   void end_repeats();
   /// Cancels the writes that the stop forbids. One that is not on the wire is never transmitted; of

@@ -25,8 +25,11 @@ bool is_still_asked(const drive::Device& device, const Transaction& question) {
          read->range.first == told->address;
 }
 
-Hold::Sent sent_of(const Transmission& it, Instant due, bool may_be_answered = false) {
-  return {it.on_wire().request, it.last_sent, due, it.tries > 1, may_be_answered, it.is_probe};
+Hold::Sent sent_of(const Transmission& it, const drive::Device& device, Instant due,
+                   bool may_be_answered = false) {
+  const modbus::Request& asked = it.on_wire().request;
+  const bool is_slow = device.timing_of(asked).response_timeout > device.timing.response_timeout;
+  return {asked, it.last_sent, due, it.tries > 1, may_be_answered, it.is_probe, is_slow};
 }
 
 }  // namespace
@@ -109,8 +112,8 @@ void Outcomes::take_response(Transmission& transmission, const LineEnd& end, Ins
   }
   entry.note_heard();
   entry.unreached.reset();
-  entry.hold.note_answered(sent_of(transmission, end.due), response.bytes(), end.took, now,
-                           entry.in_force());
+  entry.hold.note_answered(sent_of(transmission, *entry.device, end.due), response.bytes(),
+                           end.took, now, entry.in_force());
   parts_.payback.note_answered(asked.address, now);
   entry.health.note_answered(transmission.last_sent);
   diagnosis_.note_heard(asked.address, now);
@@ -181,7 +184,7 @@ void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, In
   }
   ++parts_.counters.timeouts;
   ++entry.counters.timeouts;
-  entry.hold.note_unanswered(sent_of(transmission, end.due, end.may_be_echo));
+  entry.hold.note_unanswered(sent_of(transmission, *entry.device, end.due, end.may_be_echo));
   entry.stop_unanswered = entry.stop_unanswered || transmission.is_stop();
   // For a stop: it is neither answered nor unanswered. Stops that cut each other short are.
   const bool is_cut = now + transmission.hurried_by < end.due && !transmission.is_stop();
@@ -197,7 +200,7 @@ void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, In
 void Outcomes::handle_unreadable(Transmission& transmission, const LineEnd& end, Instant now) {
   const Transaction& sent = transmission.on_wire();
   DeviceEntry& entry = parts_.devices[sent.address];
-  entry.hold.note_unreadable(sent_of(transmission, end.due));
+  entry.hold.note_unreadable(sent_of(transmission, *entry.device, end.due));
   if (end.how == LineEnd::How::damaged) {
     ++parts_.counters.bad_crcs;
     ++entry.counters.bad_crcs;
@@ -246,8 +249,8 @@ void Outcomes::note_lost() {
   for (const Transmission* running : parts_.transmissions.running()) {
     const Transaction& sent = running->on_wire();
     if (due && running->in_flight && !sent.is_broadcast() && !sent.may_stay_silent()) {
-      parts_.devices[sent.address].hold.note_unanswered(
-          sent_of(*running, *due + running->hurried_by));
+      DeviceEntry& entry = parts_.devices[sent.address];
+      entry.hold.note_unanswered(sent_of(*running, *entry.device, *due + running->hurried_by));
     }
   }
 }

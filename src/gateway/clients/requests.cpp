@@ -114,6 +114,7 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
   }
   exchange.arrival = exchange.plan->is_read() ? request.read_at : request.arrival;
   exchange.deadline = exchanges_.deadline_of(exchange);
+  exchange.is_stop = request.is_stop;
   exchange.sequence = rules_.note_accepted(*exchange.plan, origin, now);
   if (request.is_stop) {
     exchanges_.start(index, *session.turns, now);
@@ -152,7 +153,7 @@ void Requests::replace_unanswered(ClientSession& session) {
     return;
   }
   for (const std::uint32_t index : session.exchanges) {
-    if (Exchange& unanswered = exchanges_[index]; !unanswered.has_stop()) {
+    if (Exchange& unanswered = exchanges_[index]; !unanswered.is_stop) {
       unanswered.is_replaced = true;
       exchanges_.take_back(index);
     }
@@ -280,7 +281,7 @@ void Requests::complete(std::uint32_t index, Instant now) {
     }
     std::optional<DueAnswers::Answer> answer;
     if (adu && !exchange.is_replaced) {
-      answer = answer_of(*session, *adu, exchange.arrival, exchange.has_stop());
+      answer = answer_of(*session, *adu, exchange.arrival, exchange.is_stop);
     }
     send(*session, exchange.answer, answer, now);
     start_held(*session, now);

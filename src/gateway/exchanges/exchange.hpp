@@ -33,8 +33,9 @@ struct Exchange {
   Instant arrival;
   Instant deadline;            ///< nothing of it is begun afterwards
   std::uint64_t sequence = 0;  ///< of all requests that were accepted
-  bool is_held = false;        ///< beyond `pipeline`: no bus has it yet
-  bool is_replaced = false;    ///< its client has asked something else: it gets no answer
+  bool is_stop = false;
+  bool is_held = false;      ///< beyond `pipeline`: no bus has it yet
+  bool is_replaced = false;  ///< its client has asked something else: it gets no answer
   AnswerId answer{};
   modbus::MbapHeader header;
   std::optional<routing::Plan> plan;
@@ -46,7 +47,6 @@ struct Exchange {
   bool had_no_path = false;       ///< a line was not open and nothing of that part was transmitted
   std::optional<bus::Ending> ended_as;  ///< its last job, or the first that failed
 
-  [[nodiscard]] bool has_stop() const { return std::ranges::any_of(parts, &Part::is_stop); }
   /// Takes over how a job ended.
   void note(const bus::Job& job, bus::Ending ending);
   /// The answer, once every part has ended; nothing if none is to be given.

@@ -105,7 +105,11 @@ Settings numbered_after(const Settings& in_force, Settings read) {
 }
 
 bool keeps_line(const Settings& old, const Settings& next, BusId bus) {
-  return !next.bus(bus).is_gone && next.bus(bus).line == old.bus(bus).line;
+  const bus::BusSettings& now = next.bus(bus);
+  const bus::BusSettings& before = old.bus(bus);
+  // Without identifiers answers that come in another order could not be told apart.
+  return !now.is_gone && now.line == before.line &&
+         now.has_identifiers() == before.has_identifiers();
 }
 
 }  // namespace mbgate::gateway

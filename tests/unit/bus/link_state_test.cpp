@@ -52,7 +52,7 @@ TEST_F(Link, RestsUntilItIsWanted) {
   link_.rest(settings(), true);
   EXPECT_TRUE(link_.is_resting() && link_.serves() && !link_.is_open());
   EXPECT_EQ(link_.next_attempt(), std::nullopt);
-  link_.wake();
+  link_.wake(Instant{10s});
   EXPECT_TRUE(link_.serves() && !link_.is_resting());
   link_.note_opened(Instant{11s});
   EXPECT_TRUE(link_.is_open());

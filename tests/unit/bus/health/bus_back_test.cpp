@@ -16,7 +16,7 @@ TEST_F(BusOffline, OneResponseBringsItBack) {
   line(kAnswer);
   EXPECT_THAT(notices_, ElementsAre(Kind::lost, Kind::back));
   EXPECT_FALSE(bus_->devices()[1].health.is_offline());
-  advance(60ms);  // that may have answered what it was asked before: the next read shows it
+  advance(130ms);  // that may have answered what it was asked before: the next read shows it
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
   submit(job(kRead));
   line(kAnswer);
@@ -34,10 +34,10 @@ TEST_F(BusOffline, ADeviceThatWorksOffWhatItWasAskedGetsNothingUntilItIsSilent) 
   advance(10ms);
   for (int more = 0; more < 3; ++more) {
     line(kAnswer);
-    advance(45ms);
+    advance(90ms);  // less than its response timeout
   }
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
-  advance(50ms);
+  advance(40ms);
   EXPECT_THAT(frames_, SizeIs(2));
   advance(20ms);
   line(kAnswer);
@@ -114,7 +114,7 @@ TEST_F(BusOffline, WhatFollowsTheProbeInItsJobIsRepeatedAsEver) {
   submit(both);
   advance(20ms);
   line(kAnswer);
-  advance(60ms);
+  advance(130ms);
   line(kAnswer);
   advance(500ms);
   EXPECT_THAT(frames_, SizeIs(4));

@@ -194,6 +194,35 @@ TEST_F(BusLate, ABusThatTakesThePortOverListensForTheRestOfItsFirstTime) {
   EXPECT_THAT(frame_times_, ElementsAre(until));
 }
 
+// It was no answer to the second write, so that it is closed, and an exception that would fit it
+// too is that of the second.
+TEST_F(BusLate, WhatCameAlreadyIsNotOwedAnyMore) {
+  open(settings());
+  submit(job("06 000A 0005"));
+  time_out();
+  submit(job("06 0014 0007"));
+  advance(200ms);
+  ASSERT_THAT(frames_, SizeIs(2));
+  line("01 06 00 0A 00 05 69 CB");
+  advance(5ms);
+  line("01 86 03 02 61");
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
+}
+
+// Its length is no response's that is known, but it fits the request.
+TEST_F(BusLate, AnAnswerOfAFunctionOfAnyLengthIsLateToo) {
+  auto breaking = settings();
+  breaking.timing.offline_after = 3;
+  open(breaking);
+  submit(job("08 0000 1234"));
+  time_out();
+  submit(job("08 0000 1234"));
+  advance(200ms);
+  ASSERT_THAT(frames_, SizeIs(2));
+  line("01 08 00 00 12 34 ED 7C");
+  EXPECT_EQ(bus_->counters().late_responses, 1U);
+}
+
 // The driver slept while both came.
 TEST_F(BusLate, TwoAnswersInOnePieceToARequestSentOnceAreASecondAnswer) {
   open(settings());

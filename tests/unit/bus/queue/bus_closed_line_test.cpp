@@ -48,6 +48,21 @@ TEST_F(BusClosedLine, AStopHasItOpenedAtOnce) {
   EXPECT_THAT(frames_, ElementsAre(kStopFrame));
 }
 
+TEST_F(BusClosedLine, AStopIsNotEndedByAnAttemptThatBeganBeforeIt) {
+  lose_for_long();
+  submit(job(kStop));
+  advance(1ms);
+  ASSERT_EQ(opens_, 1U);
+  submit(job_of(1, "06 007D 00E1"));
+  submit(job_of(2, kStopBy16));
+  lose();
+  EXPECT_THAT(endings_, ElementsAre(Ending::closed, Ending::closed)) << "a write, and the first";
+  advance(200ms);
+  EXPECT_EQ(opens_, 2U);
+  reopen();
+  EXPECT_THAT(frames_, ElementsAre("01 10 00 7C 00 01 02 00 E1 6D E4"));
+}
+
 TEST_F(BusClosedLine, AStopEndsIfThatFailsAndTheNextOneDoesNotTryMoreOftenThanReopenMin) {
   lose_for_long();
   submit(job(kStop));

@@ -98,6 +98,19 @@ TEST_F(BusRepeatedStops, GoFirstAgainBehindAWrite) {
   EXPECT_EQ(frames_.back(), kStopFrame);
 }
 
+TEST_F(BusRepeatedStops, GoFirstAgainBehindAWriteThatWasAcceptedWhileTheFirstOneWasOnTheWire) {
+  open_axes(settings());
+  submit(job(kStop));
+  advance(5ms);
+  submit(job_of(1, kMove));
+  line(kStopFrame);
+  advance(10ms);
+  ASSERT_EQ(frames_.back(), kMoveFrame);
+  line(kMoveFrame);
+  wait_behind_another_stop();
+  EXPECT_EQ(frames_.back(), kStopFrame);
+}
+
 TEST_F(BusRepeatedStops, GoFirstAgainBehindABroadcastThatIsNoStop) {
   open_axes(settings());
   is_done(job(kStop));

@@ -22,6 +22,23 @@ TEST_F(BusStopWait, AStopWaitsForARunningTransactionsFirstByteNoLongerThanStopWa
   EXPECT_GT(bus_->view().held_back(2, now_), 0ms);
 }
 
+TEST_F(BusStopWait, AnAnswerOfASlowRegisterMakesNoLaterStopWaitLonger) {
+  auto slow = settings();
+  slow.timing.response_timeout = 1s;
+  drive::Device saving = axis(slow, 2);
+  saving.profile.slow = {{{modbus::Table::holding_registers, 0xDC, 1}, 3s}};
+  open(slow, {axis(slow), saving});
+  submit(job("03 00DC 0001", 2));
+  advance(700ms);
+  line("02 03 02 12 34 F1 33");
+  advance(5ms);
+  submit(job("03 00DC 0001", 2));
+  advance(20ms);
+  submit(job_of(1, kStop));
+  EXPECT_EQ(until_next_frame(500ms), kEmission + 80ms);
+  EXPECT_EQ(frames_.back(), kStopFrame);
+}
+
 // Into an answer that is on its way a stop would be lost.
 TEST_F(BusStopWait, AStopWaitsForTwiceTheLongestAnswerOfLate) {
   auto slow = settings();

@@ -214,6 +214,18 @@ TEST_F(BusStops, ABroadcastStopTakesBackTheWritesOfThoseThatHearIt) {
   EXPECT_FALSE(all.is_waiting());
 }
 
+// Nobody can keep a drive from listening at address 0, whatever its manual says.
+TEST_F(BusStops, AStopTakesBackABroadcastThatItsDriveMayHear) {
+  drive::Device deaf = moons();
+  deaf.profile.broadcast.form = std::nullopt;
+  open_with(deaf);
+  submit(job_of(1, kRead, 2));
+  bus::Job& all = job_of(2, "06 0000 0001", 0);
+  submit(all);
+  submit(job(kStop));
+  EXPECT_FALSE(all.is_waiting());
+}
+
 TEST_F(BusStops, WaitingStopsAreSentWhileTheBusStops) {
   open_with(moons());
   submit(job_of(1, kRead, 2));

@@ -120,6 +120,23 @@ TEST_F(OneAtATime, AStopIsNotReplaced) {
               ElementsAre(written(2, 1, true), "00 03 00 00 00 05 01 03 02 00 01"));
 }
 
+TEST(OneAtATimeInOrder, TheAnswerToAStopThatWaitsIsNotDropped) {
+  Settings settings = stop_plant(64);
+  settings.listeners[0].one_at_a_time = settings.listeners[0].ordered = true;
+  settings.devices[0].timing.response_timeout = 1s;
+  settings.devices[0].timing.retries = 1;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, read_request(1));
+  rig.advance(10ms);
+  rig.receive(1, stop_request(2));
+  rig.advance(200ms);
+  ASSERT_THAT(take_requests(rig), ElementsAre(kRead1, kStop1));
+  rig.respond(kStop1);
+  rig.receive(1, kNothing);  // the read waits for its next try
+  EXPECT_THAT(rig.take_sent(1), ElementsAre(written(2, 1, true), "00 02 00 00 00 03 01 83 03"));
+}
+
 TEST(OneAtATimeInOrder, AnAnswerThatWaitsForTheOneBeforeIsDroppedToo) {
   Settings settings = stop_plant(64);
   settings.listeners[0].one_at_a_time = settings.listeners[0].ordered = true;

@@ -73,5 +73,13 @@ TEST(Numbers, OfBusesAreThoseThatDevicesAreOn) {
   EXPECT_TRUE(gateway::keeps_line(in_force, next, BusId{0}));
 }
 
+TEST(Numbers, OfABusWithoutIdentifiersAreThoseOfAnotherConnection) {
+  Settings in_force = stop_plant();
+  in_force.buses.front().line.framing = bus::Framing::tcp;
+  Settings read = in_force;
+  read.buses.front().check_transaction = false;
+  EXPECT_FALSE(gateway::keeps_line(in_force, read, BusId{0}));
+}
+
 }  // namespace
 }  // namespace mbgate::test
