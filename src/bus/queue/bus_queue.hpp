@@ -88,7 +88,6 @@ class BusQueue {
   struct ByPlace {
     bool operator()(const Job& a, const Job& b) const { return place_of(a) < place_of(b); }
     bool operator()(const Job& a, const WritePlace& b) const { return place_of(a) < b; }
-    bool operator()(const WritePlace& a, const Job& b) const { return a < place_of(b); }
   };
   using WriteSet = boost::intrusive::multiset<
       Job, boost::intrusive::compare<ByPlace>,

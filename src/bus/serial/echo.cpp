@@ -165,7 +165,6 @@ bool Echo::take_owed(const modbus::Pdu& response) {
 }
 
 void Echo::find() {
-  echoed_ = false;
   state_ = State::present;
   shown_ = true;
   lost_ = 0;

@@ -41,8 +41,6 @@ class Echo {
   void open();
   /// `frame` is sent for `transaction` now. Its response timeout ends at `due`.
   void expect(const Transaction& transaction, const FrameBytes& frame, Instant now, Instant due);
-  /// No echo of what was sent is expected any more.
-  void forget();
 
   /// Bytes that came at one instant, from `begin` on.
   struct Piece {
@@ -105,6 +103,8 @@ class Echo {
 
  private:
   [[nodiscard]] bool is_awaited() const { return seen_ < expected_.size(); }
+  /// No echo of what was sent is expected any more.
+  void forget();
   [[nodiscard]] std::optional<std::size_t> matching(modbus::Bytes bytes) const;
   void owe(Instant now);
   Heard compare(modbus::Bytes bytes);

@@ -102,7 +102,6 @@ Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
                 buffer_.came_at(answer_at_ - 1));
     }
     buffer_.drop(answer_at_);
-    answer_at_ = 0;
   }
   if (!buffer_.add(bytes, now)) {
     counters_.stray_bytes += buffer_.size() + bytes.size();

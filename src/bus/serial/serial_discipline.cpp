@@ -115,7 +115,6 @@ void SerialDiscipline::take_misfit(const modbus::Pdu& frame, std::optional<Insta
 void SerialDiscipline::abort() {
   framer_.listen();
   transaction_ = nullptr;
-  echo_.forget();
   end_.reset();
 }
 
