@@ -131,22 +131,6 @@ TEST_F(AsciiFramer, GivesAnIncompleteAnswerUpAfterASecond) {
   EXPECT_EQ(counters_.stray_bytes, 5U);
 }
 
-/// It is late: whoever waits for it, or for something else, when its end comes.
-TEST_F(AsciiFramer, AFrameThatBeganBeforeTheRequestIsNoAnswerToIt) {
-  for (const bool is_asked : {false, true}) {
-    expect(kRead);
-    EXPECT_EQ(add(kAnswer.substr(0, 6)), Verdict::none);
-    framer_.listen();
-    if (is_asked) {
-      expect(kRead);
-      EXPECT_FALSE(framer_.in_progress());
-    }
-    EXPECT_EQ(add(kAnswer.substr(6)), Verdict::none);
-    EXPECT_TRUE(framer_.take_unsolicited()) << is_asked;
-  }
-  EXPECT_EQ(add(kAnswer), Verdict::response);
-}
-
 TEST_F(AsciiFramer, AColonBeginsTheFrameAnew) {
   expect(kRead);
   EXPECT_EQ(add(":010302"), Verdict::none);
@@ -260,6 +244,13 @@ TEST_F(AsciiFramer, TakesTheLongestFrame) {
   answer += "B9\r\n";
   ASSERT_EQ(answer.size(), modbus::kMaxAsciiSize);
   EXPECT_EQ(add(answer), Verdict::response);
+}
+
+TEST_F(AsciiFramer, WhatHasNoRoomForItsLineFeedIsNoFrame) {
+  expect(kRead);
+  EXPECT_EQ(add(":" + std::string(modbus::kMaxAsciiSize - 2, '0') + "\r"), Verdict::none);
+  EXPECT_FALSE(framer_.awaits_silence());
+  EXPECT_EQ(add(kAnswer), Verdict::response);
 }
 
 TEST_F(AsciiFramer, SurvivesABabblingLine) {

@@ -74,6 +74,8 @@ TEST_F(LineSilenceTest, SettlesWhereAnAnswerIsMissingForAllButStops) {
   silence_.note_unanswered(at(1s));
   EXPECT_EQ(silence_.ready_at(0ms), at(1030ms));
   EXPECT_EQ(silence_.ready_for_stop_at(), at(2ms));
+  silence_.open(at(1010ms), at(1010ms));  // another line, on which none is missing
+  EXPECT_EQ(silence_.ready_at(0ms), at(1012ms));
 }
 
 TEST_F(LineSilenceTest, TakesOtherTimes) {

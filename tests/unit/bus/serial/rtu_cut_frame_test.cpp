@@ -74,12 +74,18 @@ TEST_F(RtuCutFrame, WhatComesBehindTheRestOfACutFrameIsSearched) {
   ASSERT_TRUE(framer_.take_unsolicited());
 }
 
+// The second counts from its last byte.
 TEST_F(RtuCutFrame, WhatComesAfterASecondIsNoRestOfIt) {
   framer_.listen();
-  add("01 03 04 00");
-  after(1001ms);
-  add("03 0D 40 0F 53");
-  EXPECT_FALSE(framer_.take_unsolicited());
+  for (const Duration pause : {1000ms, 1001ms}) {
+    add("01 03");
+    after(1ms);
+    add("04 00");
+    after(pause);
+    add("03 0D 40 0F 53");
+    EXPECT_EQ(framer_.take_unsolicited().has_value(), pause == 1s);
+    after(2s);
+  }
 }
 
 /// At 1200 baud a single byte takes longer than a `frame_slack` of 5 ms.

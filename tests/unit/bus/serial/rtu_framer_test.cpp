@@ -152,6 +152,17 @@ TEST_F(RtuFramer, UnknownFunctionsEndBySilenceWithAGoodCrc) {
   EXPECT_EQ(response(), "46 AA BB CC");
 }
 
+TEST_F(RtuFramer, WhatSilenceEndsAndIsOfAnotherKindIsNoAnswer) {
+  expect("2B 0D 01 02");  // CANopen
+  EXPECT_EQ(add("01 2B 0C AA F4 AF"), Verdict::none);
+  EXPECT_TRUE(framer_.in_progress());
+  EXPECT_EQ(after(20ms), Verdict::none);
+  EXPECT_FALSE(framer_.in_progress());
+  const auto unsolicited = framer_.take_unsolicited();
+  ASSERT_TRUE(unsolicited);
+  EXPECT_EQ(hex(unsolicited->pdu.bytes()), "2B 0C AA");
+}
+
 TEST_F(RtuFramer, AnAnswerMayPauseForTheSlackInAll) {
   framer_.set_slack(200ms);
   expect(kRead);

@@ -136,11 +136,23 @@ TEST_F(RtuNoise, BeforeAnUnknownFunctionIsNotSkipped) {
   EXPECT_FALSE(framer_.in_progress());
 }
 
+TEST_F(RtuNoise, BeforeAnAnswerThatTellsItsLengthLateIsSkipped) {
+  expect("2B 0E 01 00");
+  EXPECT_EQ(add("FF 01 2B 0E 01"), Verdict::none);
+  EXPECT_TRUE(framer_.in_progress());
+  EXPECT_EQ(after(20ms), Verdict::none);
+  EXPECT_EQ(add("01 00 00 01 00 02 41 42 96 ED"), Verdict::response);
+}
+
 TEST_F(RtuNoise, BeforeADamagedAnswerIsToldFromIt) {
   expect(kRead);
   EXPECT_EQ(add("FE F8 01 03 04 00 03 0D 41 0F 53"), Verdict::none);
   EXPECT_EQ(after(20ms), Verdict::damaged);
   EXPECT_EQ(framer_.noise(), 2U);
+  expect("46 01 02");
+  EXPECT_EQ(add("01 46 AA BB 00 00"), Verdict::none);
+  EXPECT_EQ(after(20ms), Verdict::damaged);
+  EXPECT_EQ(framer_.noise(), 0U);
 }
 
 TEST_F(RtuNoise, NothingIsTakenOutOfTheFrameOfAnotherUnit) {
@@ -222,6 +234,7 @@ TEST_F(RtuNoise, AStrayFrameBehindItMayBeOneByChanceOnly) {
   const auto after_noise = framer_.take_unsolicited();
   ASSERT_TRUE(after_noise);
   EXPECT_TRUE(after_noise->after_noise);
+  EXPECT_EQ(counters_.noise_bytes, 2U);
   now_ += 5ms;
   EXPECT_EQ(add(kAnswer), Verdict::none);
   EXPECT_FALSE(framer_.take_unsolicited()->after_noise);

@@ -25,5 +25,21 @@ TEST_F(RtuPausingFrame, WhatComesOnAnotherConnectionIsNoRestOfIt) {
   EXPECT_FALSE(framer_.take_unsolicited());
 }
 
+// Its bytes came one by one; the last of them looks like the beginning of the answer.
+TEST_F(RtuPausingFrame, WhatComesSlowlyDoesNotPause) {
+  framer_.set_slack(5ms);
+  expect("03 001E 0002");
+  for (const auto* byte : {"02", "03", "04", "00", "01"}) {
+    add(byte);
+    now_ += 1900us;
+  }
+  now_ += 1ms;
+  EXPECT_EQ(add("0D 40 9D 93"), Verdict::none);
+  const auto unsolicited = framer_.take_unsolicited();
+  ASSERT_TRUE(unsolicited);
+  EXPECT_EQ(unsolicited->address, 2);
+  EXPECT_EQ(unsolicited->pause, Duration{0});
+}
+
 }  // namespace
 }  // namespace mbgate::test
