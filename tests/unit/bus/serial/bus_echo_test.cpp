@@ -206,6 +206,21 @@ TEST_F(BusEcho, OnAPacedLineARepetitionBeforeThatProvesItWithAnAnswerBehindIt) {
   EXPECT_THAT(faults_, ElementsAre(Fault::echo_found));
 }
 
+TEST_F(BusEcho, OnAPacedLineWithoutOneARepetitionBeforeThatIsUnasked) {
+  open_as(bus::LineKind::uart);
+  submit(job(kRead));
+  advance(10ms);
+  line(kAnswer);
+  advance(10ms);
+  submit(job(kWritePdu));
+  advance(2ms);
+  line(kRepetition);
+  EXPECT_EQ(bus_->counters().unsolicited_frames, 1U);
+  advance(10ms);
+  line(kRepetition);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::answered));
+}
+
 TEST_F(BusEcho, AFittingReadAnswerBeforeThatIsSaidOnce) {
   open_as(bus::LineKind::uart, false);
   for (int times = 0; times < 2; ++times) {

@@ -45,6 +45,24 @@ TEST_F(BusEcho, NorAStopWhichIsRepeatedAndTold) {
   EXPECT_THAT(notices_, testing::Contains(bus::DeviceNotice::Kind::stop_unanswered));
 }
 
+// What came may be the drive's answer or an echo, which a read tells.
+TEST_F(BusEcho, AReadGoesBeforeTheRepetitionOfAStopThatMayHaveBeenAnswered) {
+  auto learning = settings();
+  learning.line.echo.reset();
+  bus_.emplace(learning, std::vector{axis(learning)});
+  bus_->start();
+  bus_->handle_opened(now_, bus::LineKind::virtual_line);
+  drain();
+  advance(5ms);
+  submit(job(kStop));
+  submit(job_of(1, kRead));
+  submit(job_of(2, kMove));
+  advance(10ms);
+  line(kStopFrame);
+  time_out();
+  EXPECT_THAT(frames_, ElementsAre(kStopFrame, kReadFrame));
+}
+
 // A drive does that with one write.
 TEST_F(BusEcho, AWholeRequestAsItsAnswerProvesNothing) {
   open_as(bus::LineKind::virtual_line);
