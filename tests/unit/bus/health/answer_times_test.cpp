@@ -47,6 +47,16 @@ TEST(DurationsOfADevice, AreSharedOut) {
   EXPECT_GT(*all.percentile(99), 100ms);
 }
 
+// 99 percent of 99 are 98.01: of the last one a part is needed, and so all of it.
+TEST(DurationsOfADevice, AreEnoughOnlyIfNoPartOfOneIsMissing) {
+  Durations all;
+  for (int at = 0; at < 98; ++at) {
+    all.note(1ms);
+  }
+  all.note(100ms);
+  EXPECT_GT(*all.percentile(99), 100ms);
+}
+
 TEST(DurationsOfADevice, OfLongAgoFade) {
   Durations all;
   for (int at = 0; at < 1'000'000; ++at) {
@@ -56,6 +66,18 @@ TEST(DurationsOfADevice, OfLongAgoFade) {
     all.note(1ms);
   }
   EXPECT_LT(*all.percentile(50), 2ms);
+}
+
+TEST(LatencyOfADevice, OfAnotherCountsOnTheWholeButNotAsOfLate) {
+  Latency one;
+  one.note(1ms);
+  Latency sum;
+  sum.note(1ms);
+  sum.add_all(one);
+  EXPECT_EQ(sum.all().sum(), Duration{2ms});
+  Latency none;
+  none.add_all(one);
+  EXPECT_EQ(none.lately().percentile(50), std::nullopt);
 }
 
 }  // namespace

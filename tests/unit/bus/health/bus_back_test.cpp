@@ -27,6 +27,31 @@ TEST_F(BusOffline, OneResponseBringsItBack) {
   EXPECT_THAT(endings_, SizeIs(2));
 }
 
+// They may have got their supply back together.
+TEST_F(BusOffline, WhereOneIsBackAfterALongTimeTheOthersAreAskedAtOnce) {
+  for (const Duration offline : {5s, 11s}) {
+    auto one = breaking();
+    one.timing.offline_after = 1;
+    open(one);
+    for (const std::uint8_t address : std::initializer_list<std::uint8_t>{2, 1}) {
+      submit(job(kRead, address));
+      advance(300ms);
+    }
+    advance(offline);
+    for (const std::uint8_t address : std::initializer_list<std::uint8_t>{2, 1}) {
+      submit(job(kRead, address));
+      advance(20ms);
+      if (address == 1) {
+        line(kAnswer);
+      }
+      advance(280ms);  // nothing holds it back any more
+    }
+    endings_.clear();
+    submit(job(kRead, 2));
+    EXPECT_EQ(endings_.empty(), offline == 11s);
+  }
+}
+
 // It did not lose its supply, but did something else meanwhile. It answers in order, and quickly.
 TEST_F(BusOffline, ADeviceThatWorksOffWhatItWasAskedGetsNothingUntilItIsSilent) {
   ask_beside_a_probe_with_a_late_answer();

@@ -178,6 +178,37 @@ TEST_F(BusOfThirty, WhoElseAsksWaitsForOneProbeAtMost) {
   EXPECT_LT(frame_times_[static_cast<std::size_t>(sent - frames_.begin())] - since, 120ms);
 }
 
+// Whoever else asks waits for one probe at most.
+TEST_F(BusOffline, BesideOtherRequestsOneProbeWaits) {
+  auto one = breaking();
+  one.timing.offline_after = 1;
+  open(one);
+  for (const std::uint8_t address : std::initializer_list<std::uint8_t>{1, 2}) {
+    submit(job(kRead, address));
+    advance(300ms);
+  }
+  advance(10s);
+  submit(job_of(1, kRead, 3));  // occupies the line
+  endings_.clear();
+  submit(job(kRead, 1));
+  EXPECT_THAT(endings_, IsEmpty());
+  submit(job(kRead, 2));
+  EXPECT_THAT(endings_, ElementsAre(Ending::offline));
+}
+
+TEST_F(BusOffline, ADeviceThatIsWaitedForALongTimeIsProbedToo) {
+  auto patient = breaking();
+  patient.timing.response_timeout = 5s;
+  patient.timing.probe_timeout = 2s;
+  patient.timing.offline_after = 1;
+  open(patient);
+  submit(job(kRead));
+  advance(30s);
+  ASSERT_TRUE(bus_->devices()[1].health.is_offline());
+  submit(job(kRead));
+  EXPECT_TRUE(is_in_flight(jobs_.back()));
+}
+
 TEST_F(BusOffline, AProbeThatWasTakenBackLeavesItsPlace) {
   open(breaking());
   lose_device();

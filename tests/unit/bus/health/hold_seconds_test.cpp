@@ -38,6 +38,16 @@ TEST_F(Health, ASecondAnswerMayBelongToARequestBeforeTheLastOne) {
   EXPECT_TRUE(may_be_asked(115ms));
 }
 
+TEST_F(Health, ASecondAnswerThatHasComeIsNotOwedAnyMore) {
+  answered(read_, kAnswer, 100ms, 5ms);
+  EXPECT_TRUE(hold_.note_second(kAnswer, at(14ms), timing_));
+  EXPECT_EQ(owed(read_), 0U);
+  answered(read_, kAnswer, 300ms, 5ms);
+  EXPECT_EQ(owed(read_), 1U);
+  EXPECT_TRUE(hold_.note_second(kAnswer, at(214ms), timing_));
+  EXPECT_EQ(owed(read_), 0U);
+}
+
 TEST_F(Health, SecondAnswersAreForgotten) {
   answered(read_, kAnswer, 100ms, 5ms);
   EXPECT_TRUE(hold_.note_second(kAnswer, at(14ms), timing_));

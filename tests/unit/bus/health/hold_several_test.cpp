@@ -24,6 +24,26 @@ TEST_F(Health, OfManyUnansweredOnesTheOldestIsForgotten) {
   }
 }
 
+// The answer to a probe has shown that it owes nothing: what was missing before is no sign of how
+// late it answers.
+TEST_F(Health, TailsOfBeforeDoNotCountOnceItIsKnownToOweNothing) {
+  timing_.quarantine_max = 2s;
+  for (const auto due : {1s, 4s}) {
+    unanswered(read_, due);
+    asked(due + 1s);
+    answered(write_, kEcho, due + 1100ms, 1ms);
+  }
+  unanswered(read_, 5600ms);
+  hold_.note_asked(&read_, at(5700ms), timing_, false);
+  ASSERT_TRUE(late(kAnswer, 5710ms, true));
+  unanswered(read_, 5800ms);
+  ASSERT_TRUE(hold_.note_asked(&read_, at(5900ms), timing_, false));
+  answered(read_, kAnswer, 6s, 5ms);
+  unanswered(read_, 7s);
+  asked(7900ms);
+  EXPECT_TRUE(may_be_asked(7900ms));
+}
+
 // The driver may have slept while it came.
 TEST_F(Health, TheFirstFrameAfterAHoldIsStillTheLateAnswer) {
   unanswered(read_, 100ms);

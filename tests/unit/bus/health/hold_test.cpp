@@ -210,7 +210,6 @@ TEST_F(Health, EarlierTriesAreItsOwnUnlessAnotherWriteWasSentSince) {
   EXPECT_TRUE(owed_since(read_, 150ms)[1].is_own);
 }
 
-// The echo of function 16 names no value.
 // It was answered, or its echo came: it is no sign of a queue.
 TEST_F(Health, WhatMayBeAnsweredHoldsNoOtherFunction) {
   hold_.note_unanswered({write_, at(0ms), at(100ms), false, true});
@@ -222,6 +221,7 @@ TEST_F(Health, WhatMayBeAnsweredHoldsNoOtherFunction) {
   EXPECT_TRUE(may_be_asked(read_, 1360ms));  // 120 ms of the second one, twice
 }
 
+// The echo of function 16 names no value.
 TEST_F(Health, AnotherStopWhoseEchoLooksTheSameTakesTheProofAway) {
   const auto stop = request("10 0010 0001 02 0001");
   unanswered(stop, 100ms);

@@ -91,6 +91,20 @@ TEST_F(LineQuality, BytesAfterEachRequestAndNeverAFrame) {
   EXPECT_EQ(verdict().quality, Quality::good);
 }
 
+// By a frame that answers nothing it was understood too.
+TEST_F(LineQuality, BytesAreNoVerdictOnWhoWasHeard) {
+  quality_[1].note_heard();
+  EXPECT_TRUE(quality_[1].has_answered());
+  quality_[2].note_misfit();
+  for (int at = 0; at < 4; ++at) {
+    quality_[1].note_unreadable(30ms, 0);
+    quality_[2].note_unreadable(30ms, 0);
+  }
+  EXPECT_EQ(quality_[2].verdict().quality, Quality::unknown);
+  quality_[1].note_unreadable(30ms, 0);
+  EXPECT_EQ(verdict().quality, Quality::unknown);
+}
+
 // A drive that answers when its program comes round.
 TEST_F(LineQuality, WhereTheTimesDifferMoreAreNeeded) {
   for (int at = 0; at < 11; ++at) {
