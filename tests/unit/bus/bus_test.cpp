@@ -254,6 +254,17 @@ TEST_F(Bus, WaitingJobsExpireAtTheirDeadlineToo) {
   EXPECT_FALSE(waiting.was_on_wire);
 }
 
+TEST_F(Bus, WhatIsGivenUpOnTheWireIsNotWaitedFor) {
+  open(settings());
+  submit(job(kRead));
+  bus_->stop(now_);
+  bus_->give_up(now_);
+  drain();
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  advance(1s);
+  EXPECT_EQ(bus_->counters().timeouts, 0U);
+}
+
 TEST_F(Bus, CountsWhatADeviceDid) {
   open(settings());
   submit(job(kRead));

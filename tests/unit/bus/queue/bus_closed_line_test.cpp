@@ -116,6 +116,15 @@ TEST_F(BusClosedLine, OneBehindTcpThatHasAnsweredIsOpenedAgainWhenSomebodyAsks) 
   EXPECT_THAT(frames_, SizeIs(2));
 }
 
+TEST_F(BusClosedLine, OneBehindTcpThatWasAskedAndHasNotAnsweredIsLost) {
+  open(remote());
+  submit(job(kRead));
+  advance(10ms);
+  lose(bus::Loss::closed);
+  EXPECT_EQ(bus_->counters().losses, 1U);
+  EXPECT_THAT(endings_, ElementsAre(Ending::closed));
+}
+
 TEST_F(BusClosedLine, AReadThatWasOnTheWireThereIsAskedOnceMoreAndAWriteIsNot) {
   for (const bool is_read : {true, false}) {
     frames_.clear();

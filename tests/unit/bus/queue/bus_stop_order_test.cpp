@@ -85,6 +85,30 @@ TEST_F(BusStopOrder, OneThatWaitedForTheTryOfAnotherToItsDriveGivesWayToo) {
   EXPECT_EQ(frames_.back(), kStopBy16Frame);
 }
 
+// What came is damaged, but the drive is there.
+TEST_F(BusStopOrder, OneWhoseDriveWasHeardGivesWayToNobody) {
+  open_settling();
+  submit(job(kStop));
+  advance(kEmission + 103ms);
+  ASSERT_THAT(frames_, ElementsAre(kStopFrame, kStopFrame));
+  submit(job_of(1, kRead, 3));
+  answer_after(10ms, "01 06 00 7C 00 E1 00 00");
+  advance(30ms);
+  EXPECT_THAT(frames_, ElementsAre(kStopFrame, kStopFrame, kStopFrame));
+}
+
+// The first read was on its way before anybody knew that the drive is dead.
+TEST_F(BusStopOrder, BetweenTwoTriesToADeadDriveWhatHasSeveralPartsGoesOn) {
+  open_settling();
+  bus::Job& run = job_of(1, kRead, 3);
+  add(run, "03 0001 0001", 3);
+  submit(run);
+  submit(job(kStop));
+  answer_after(10ms, "03 03 02 12 34 CC F3");
+  advance(kT35 + kEmission + 115ms);
+  EXPECT_THAT(frames_, ElementsAre(kReadOfThirdFrame, kStopFrame, "03 03 00 01 00 01 D4 28"));
+}
+
 TEST_F(BusStopOrder, ADriveThatHasLostOneAnswerStillAnswers) {
   for (const bool is_dead : {false, true}) {
     frames_.clear();

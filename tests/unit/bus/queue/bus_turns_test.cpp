@@ -140,6 +140,19 @@ TEST_F(BusTurns, WhatWaitsBehindAJobThatIsTakenBackGoesAtOnce) {
   EXPECT_THAT(frames_, ElementsAre("00 06 00 00 00 01 49 DB"));
 }
 
+TEST_F(BusTurns, WhatWaitsForItsDeviceDoesNotWaitForTheLine) {
+  open(settings());
+  submit(job_of(1, kRead));
+  time_out();  // it owes an answer
+  submit(job_of(1, "06 0000 0001"));
+  submit(job_of(2, kRead, 2));  // occupies the line
+  submit(job_of(2, kRead, 3));
+  const auto most = bus_->view().most_waiting(now_);
+  ASSERT_TRUE(most);
+  EXPECT_EQ(most->source, bus::FairnessKey{2});
+  EXPECT_EQ(most->of, 1U);
+}
+
 TEST_F(BusTurns, AGapIsWaitedForInTurn) {
   open_with_devices();
   submit(job_of(0, kRead, 2));

@@ -167,7 +167,9 @@ TEST_F(Bus, BytesThatAreNoFrameAreDrainedBeforeTheNextTransmission) {
   line("12 34 56");
   EXPECT_EQ(bus_->view().line_state(now_), bus::LineState::draining);
   submit(job(kRead));
-  EXPECT_EQ(until_next_frame(), kT35);
+  EXPECT_EQ(until_next_frame(10ms), kT35);
+  line(kAnswer);
+  EXPECT_EQ(bus_->view().line_state(now_), bus::LineState::idle);
 }
 
 // 264 characters of 11 bits at 19200 take 151.25 ms.

@@ -27,5 +27,15 @@ TEST(ReadCache, TheOldestOfManyMakesRoomForANewOne) {
   EXPECT_NE(cache.find(read_at(bus::kMostCachedReads), bus::Instant{}), nullptr);
 }
 
+TEST(ReadCache, ANewerResponseTakesThePlaceOfTheOneBefore) {
+  bus::ReadCache cache;
+  cache.put(read_at(0), *modbus::Pdu::from(unhex("03 02 12 34")), bus::Instant{}, 0);
+  const auto newer = *modbus::Pdu::from(unhex("03 02 00 01"));
+  cache.put(read_at(0), newer, bus::Instant{} + 1s, 0);
+  const modbus::Pdu* found = cache.find(read_at(0), bus::Instant{} + 1s);
+  ASSERT_NE(found, nullptr);
+  EXPECT_EQ(*found, newer);
+}
+
 }  // namespace
 }  // namespace mbgate::test
