@@ -44,6 +44,30 @@ TEST(BusesAlone, WakeForTheirEarliestOrForTheJudgementBeforeIt) {
   EXPECT_EQ(buses.open_count(), 1U);
 }
 
+bus::Job waiting_read() {
+  bus::Job job;
+  job.deadline = Instant{1min};
+  job.transactions.push_back(
+      {1, *modbus::Request::parse(*modbus::Pdu::from(unhex("03 0000 0001")))});
+  return job;
+}
+
+TEST(BusesAlone, SayWhoseSilenceEndsWhenTheyWake) {
+  std::array jobs{waiting_read(), waiting_read()};
+  gateway::BusSet buses(two_buses());
+  for (const std::uint32_t id : {0U, 1U}) {
+    bus::Bus& bus = buses.touch(BusId{id});
+    bus.handle_opened(Instant{1s}, bus::LineKind::virtual_line);
+    bus.handle_bytes(unhex("55"), Instant{20s - 1ms * id});  // that of the second one comes first
+    EXPECT_TRUE(bus.submit(jobs.at(id), Instant{20s}));
+  }
+  collect(buses);
+  const auto wake = buses.next_wake(std::nullopt);
+  EXPECT_EQ(wake->at, buses[BusId{1}].timers().first()->at);
+  EXPECT_EQ(wake->silence_of, BusId{1});
+  EXPECT_EQ(buses.next_wake(Instant{20s})->silence_of, std::nullopt);
+}
+
 TEST(BusesAlone, OtherSettingsKeepABusThatKeepsItsLineAndGiveUpTheOther) {
   const Settings before = two_buses();
   gateway::BusSet buses(before);

@@ -27,6 +27,17 @@ TEST(AccessInTheMachine, WhatNoRulePermitsGets01AndNothingIsSent) {
                   "= 1, denied by the access rules: no rule permits it"));
 }
 
+TEST(AccessInTheMachine, AListenerIsOpenToAllIfNeitherItsListNorARuleSaysWhoMay) {
+  Settings settings = stop_plant();
+  gateway::ListenerSettings& listener = settings.listeners[0];
+  EXPECT_TRUE(settings.is_open_to_all(listener));
+  listener.allow = {*routing::Network::parse("192.0.2.0/24")};
+  EXPECT_FALSE(settings.is_open_to_all(listener));
+  listener.allow.clear();
+  settings.rules = {reading()};
+  EXPECT_FALSE(settings.is_open_to_all(listener));
+}
+
 TEST(AccessInTheMachine, TheJournalIsToldOnceAMinuteForEachClientAndOfWhichRule) {
   MachineRig rig(plant_with({rule(false, "locked"), rule(true, "")}));
   rig.connect(1, "192.0.2.1");  // could be permitted nothing: closed

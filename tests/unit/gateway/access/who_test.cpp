@@ -78,6 +78,18 @@ TEST_F(Who, IsDeniedByReadOnlyAccessFunctionsAndWindows) {
             "denied by the routes: unit 250 has no route on this listener: exception 0A");
 }
 
+TEST_F(Who, IsDeniedByWhatItsDeviceOrOneOnItsBusCannotDo) {
+  auto& route = settings_.routes[0];
+  route.last_unit = 1;
+  route.device = 0;
+  settings_.routes.emplace_back().buses = {BusId{0}};  // unit 0
+  settings_.devices[0].profile.functions.reset(6);
+  EXPECT_EQ(may("192.0.2.1", 1, kWrite),
+            "denied by the limits and values of device axis-x: exception 01");
+  settings_.devices[0].profile.communication = {{modbus::Table::holding_registers, 0x10, 1}};
+  EXPECT_EQ(may("192.0.2.1", 0, kWrite), "denied by the devices on the bus: exception 02");
+}
+
 TEST_F(Who, NamesTheKeyThatDenies) {
   using enum DenyingKey::Name;
   settings_.listeners.push_back(settings_.listeners[0]);

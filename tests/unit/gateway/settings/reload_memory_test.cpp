@@ -38,6 +38,17 @@ TEST(ReloadMemory, WhatWaitsIsNotSentWhereItsUnitLeadsToTheSameAddressOfAnotherL
   EXPECT_THAT(rig.take_sent(1), ElementsAre(busy(2)));
 }
 
+TEST(ReloadMemory, ABroadcastThatWaitsIsNotSentToADeviceThatIsAnotherNow) {
+  Settings settings = stop_plant(16);
+  settings.routes.emplace_back().buses = {BusId{0}};  // unit 0
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, read_request(1) + write_request(2, 0));
+  settings.devices[1].word_order = drive::WordOrder::big;
+  rig.reload(settings);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre(busy(2, 0)));
+}
+
 TEST(ReloadMemory, ABusThatGetsAnotherNameStillWaitsForLateAnswers) {
   Settings settings = one_bus();
   settings.buses[0].timing.quarantine = 500ms;

@@ -127,12 +127,14 @@ TEST_F(Trace, OneFrameCanBeOfSeveralRequests) {
 }
 
 TEST_F(Trace, TellsWhatTheGatewayAnswersItself) {
+  rig_.advance(10ms);
   rig_.receive(1, read_request(7, 248));  // no route
   const auto taken = rig_.harness.gateway().take_trace(rig_.now());
   ASSERT_EQ(taken.records.size(), 1U);
   EXPECT_EQ(text(taken.records[0]),
             "00 07 00 00 00 06 F8 03 00 00 00 01 = 00 07 00 00 00 03 F8 83 0A");
   EXPECT_TRUE(taken.records[0].asked->refused);
+  EXPECT_EQ(taken.records[0].asked->answered_at, rig_.now());
   EXPECT_TRUE(taken.records[0].is_failed());
 }
 

@@ -154,6 +154,20 @@ TEST_F(FailsafeWrites, ThatWereNotAcknowledgedAreSaidAtTheEnd) {
   EXPECT_TRUE(rig_.finished);
 }
 
+TEST_F(FailsafeWrites, ThatWaitForTheirNextTryAreSaidToo) {
+  Settings patient = rig_.harness.settings();
+  patient.devices[0].timing.probe_interval = 10s;
+  rig_.reload(patient);
+  rig_.lose_line();
+  leave();
+  rig_.advance(3s);
+  rig_.shutdown();
+  EXPECT_THAT(rig_.events, ElementsAre(kLost, kNotYet,
+                                       "device axis-x: not all of its failsafe writes were "
+                                       "acknowledged before the gateway stopped"));
+  EXPECT_TRUE(rig_.finished);
+}
+
 class FailsafeOnExit : public FailsafeWrites {
  protected:
   FailsafeOnExit() : FailsafeWrites(settings()) {}
