@@ -167,6 +167,7 @@ TEST(LooksLikeRtu, RecognisesTheFirstOfSeveral) {
   EXPECT_TRUE(looks_like_rtu(bytes_of("01 03 00 1E 00 02 A4 0D 01 03 00 1E 00 02 A4 0D")));
   EXPECT_TRUE(looks_like_rtu(
       bytes_of("0A 10 00 1E 00 02 04 00 00 75 30 70 8F 01 03 00 1E 00 02 A4 0D 01")));
+  EXPECT_TRUE(looks_like_rtu(bytes_of("0A 0F 00 1E 00 02 01 03 77 27 01 03 00 1E 00 02 A4 0D")));
 }
 
 TEST(LooksLikeRtu, IsNotFooledByModbusTcpOrShortBytes) {

@@ -52,6 +52,7 @@ TEST(LimitsPlan, JoinsBits) {
   EXPECT_EQ(read.requests(),
             (Texts{"01 00 00 00 03", "01 00 03 00 03", "01 00 06 00 03", "01 00 09 00 01"}));
   EXPECT_EQ(read.answer({"01 01 05", "01 01 02", "01 01 07", "01 01 01"}), "01 02 D5 03");
+  EXPECT_EQ(read.answer({"01 01 04", "01 01 02", "01 01 03", "01 01 01"}), "01 02 D4 02");
 }
 
 TEST(LimitsPlan, NeverCrossesTheBorderOfAGroup) {
@@ -174,6 +175,9 @@ TEST(LimitsPlan, FunctionsThatTheDriveDoesNotHaveAreNotAllowed) {
   device.write_function = 0x10;
   device.profile.functions.reset(6);
   EXPECT_EQ(Planned(device, "06 0000 0001").requests(), Texts{"10 00 00 00 01 02 00 01"});
+  device.profile.input_as_holding = true;  // several of these are read by function 3
+  device.profile.limits.read[3] = 1;
+  EXPECT_EQ(Planned(device, "04 0000 0002").requests(), Texts{"03 00 00 00 02"});
 }
 
 TEST(LimitsPlan, CommunicationRegistersAreWrittenOnlyWhereTheUserAllowsIt) {
