@@ -196,19 +196,6 @@ TEST_F(BusOffline, BesideOtherRequestsOneProbeWaits) {
   EXPECT_THAT(endings_, ElementsAre(Ending::offline));
 }
 
-TEST_F(BusOffline, ADeviceThatIsWaitedForALongTimeIsProbedToo) {
-  auto patient = breaking();
-  patient.timing.response_timeout = 5s;
-  patient.timing.probe_timeout = 2s;
-  patient.timing.offline_after = 1;
-  open(patient);
-  submit(job(kRead));
-  advance(30s);
-  ASSERT_TRUE(bus_->devices()[1].health.is_offline());
-  submit(job(kRead));
-  EXPECT_TRUE(is_in_flight(jobs_.back()));
-}
-
 TEST_F(BusOffline, AProbeThatWasTakenBackLeavesItsPlace) {
   open(breaking());
   lose_device();
