@@ -98,6 +98,11 @@ class Process:
         """What stands in this file of the program's in /proc."""
         return pathlib.Path(f"/proc/{self._process.pid}/{name}").read_text(encoding="utf-8")
 
+    def sockets(self):
+        """How many it has."""
+        folder = pathlib.Path(f"/proc/{self.pid}/fd")
+        return sum(os.readlink(file).startswith("socket:") for file in folder.iterdir())
+
     def state(self):
         """The letter of ps: T is a program that was stopped."""
         return re.search(r"State:\s+(\w)", self.process_file("status")).group(1)

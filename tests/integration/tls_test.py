@@ -8,6 +8,7 @@ import datetime
 import hashlib
 import os
 import signal
+import socket
 import ssl
 import struct
 import subprocess
@@ -575,6 +576,23 @@ class Stopped(TlsCase):
         with stopped(self.plant.gateway):
             client.sendall(adu(READ))
         self.assertEqual(answer_of(client), self.answer)
+
+
+class ReadsNothing(TlsCase):
+    def test_it_is_ended_soon_after_the_machine_has_closed_its_connection(self):
+        before = self.plant.gateway.sockets()
+        raw = self.use(self.plant.plain("secure"))
+        raw.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        client = self.use(self.plant.context(self.plant.operator).wrap_socket(raw, server_hostname="localhost"))
+        client.settimeout(1)
+        with self.assertRaises(TimeoutError):  # nothing moves any more, in either direction
+            while True:
+                client.sendall(adu(READ) * 100)
+        self.reconfigure('name = "secure"\n', 'name = "secure"\nallow = ["127.0.0.2"]\n')
+        limit = time.monotonic() + PATIENCE / 2  # the kernel would give it up after PATIENCE
+        while self.plant.gateway.sockets() > before:
+            self.assertLess(time.monotonic(), limit, "its sockets are still open")
+            time.sleep(0.05)
 
 
 if __name__ == "__main__":

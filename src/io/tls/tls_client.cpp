@@ -20,8 +20,9 @@ using boost::system::error_code;
 using PairSocket = boost::asio::local::stream_protocol::socket;
 
 constexpr std::size_t kCarriedAtOnce = 2048;
-/// How long a client that was said goodbye to may take for its own. If the socket were closed with
-/// unread bytes, the kernel would reset the connection, and the last answers could be lost.
+/// How long a client may take, once the machine has closed its connection, for the last answers and
+/// for its own goodbye. If the socket were closed with unread bytes, the kernel would reset the
+/// connection, and these answers could be lost.
 constexpr std::chrono::seconds kLinger{1};
 
 }  // namespace
@@ -51,7 +52,16 @@ sys::UniqueFd TlsClient::make_pair() {
     ::close(ends[0]);
     return {};
   }
-  return theirs;
+  return shared_.closings.watch(ends[0], key_, false) ? std::move(theirs) : sys::UniqueFd();
+}
+
+void TlsClient::linger() {
+  timer_.expires_after(kLinger);
+  timer_.async_wait([weak = weak_from_this()](const error_code& error) {
+    if (const auto client = weak.lock(); client && !error) {
+      client->end();
+    }
+  });
 }
 
 boost::asio::awaitable<void> TlsClient::carry(std::shared_ptr<TlsClient> self) {
@@ -61,6 +71,7 @@ boost::asio::awaitable<void> TlsClient::carry(std::shared_ptr<TlsClient> self) {
   while (!self->is_down_over_) {
     co_await self->down_over_.async_wait(kAsTuple);
   }
+  self->end();
 }
 
 boost::asio::awaitable<void> TlsClient::run_down(std::shared_ptr<TlsClient> self) {
@@ -202,14 +213,10 @@ boost::asio::awaitable<void> TlsClient::say_goodbye(std::shared_ptr<TlsClient> s
   const bool has_client_ended =
       (SSL_get_shutdown(&self->stream_.ssl()) & SSL_RECEIVED_SHUTDOWN) != 0;
   self->socket_.shutdown(tcp::socket::shutdown_send, ignored);
-  self->pair_.shutdown(PairSocket::shutdown_send, ignored);
-  if (has_client_ended || !self->socket_.is_open()) {
+  self->pair_.shutdown(PairSocket::shutdown_send, ignored);  // with the machine's FIN it lingers
+  if (has_client_ended) {
     self->end();
-    co_return;
   }
-  self->timer_.expires_after(kLinger);
-  co_await self->timer_.async_wait(kAsTuple);
-  self->end();
 }
 
 void TlsClient::end(const std::string& why) {

@@ -29,7 +29,8 @@ namespace mbgate::io {
 /// What clients of the thread of TLS share.
 struct TlsClientContext {
   boost::asio::io_context& io;
-  HangupWatch& hangups;
+  HangupWatch& hangups;   ///< of their sockets
+  HangupWatch& closings;  ///< of their ends of the pairs: the machine has closed its own
   /// To be called before anything of a client is handed on.
   std::function<void()> look_for_stall;
 };
@@ -51,6 +52,8 @@ class TlsClient : public std::enable_shared_from_this<TlsClient> {
   static boost::asio::awaitable<void> carry(std::shared_ptr<TlsClient> self);
   /// Carries to the machine what can be carried without waiting. How many bytes that were.
   std::size_t drain();
+  /// Both ends of the pair have said all: ends after a moment, also if the client reads nothing.
+  void linger();
   /// Ends at once. `why`: if that has to be told.
   void end(const std::string& why = {});
 

@@ -27,8 +27,14 @@ TlsFront::TlsFront(boost::asio::io_context& home, TlsEvents& events)
                    entry->second.client->end();
                  }
                }),
+      closings_(io_,
+                [this](std::uint64_t key, Hangup /*hangup*/) {
+                  if (const auto entry = clients_.find(key); entry != clients_.end()) {
+                    entry->second.client->linger();
+                  }
+                }),
       heartbeat_(io_, [this] { look_for_stall(); }),
-      shared_{io_, hangups_, [this] { look_for_stall(); }},
+      shared_{io_, hangups_, closings_, [this] { look_for_stall(); }},
       thread_([this] { run(); }) {}
 
 TlsFront::~TlsFront() {

@@ -64,6 +64,7 @@ class TlsFront {
   boost::asio::io_context io_{1};
   boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
   HangupWatch hangups_;
+  HangupWatch closings_;
   Heartbeat heartbeat_;
   TlsClientContext shared_;
   ListenerContexts contexts_;
