@@ -37,10 +37,16 @@ int context_index() {
   return kIndex;
 }
 
+/// The clock has nanoseconds and ends in 2262; a certificate without an end says 9999 (RFC 5280,
+/// 4.1.2.5).
 system_clock::time_point time_of(const ASN1_TIME* time) {
+  using Time = system_clock::time_point;
   std::tm parts{};
-  return ASN1_TIME_to_tm(time, &parts) == 1 ? system_clock::from_time_t(::timegm(&parts))
-                                            : system_clock::time_point::max();
+  return ASN1_TIME_to_tm(time, &parts) == 1
+             ? system_clock::from_time_t(std::clamp(::timegm(&parts),
+                                                    system_clock::to_time_t(Time::min()),
+                                                    system_clock::to_time_t(Time::max())))
+             : Time::max();
 }
 
 struct FreeOctets {

@@ -21,12 +21,16 @@ inline std::string written_by(const sys::BioHandle& memory) {
   return {data, static_cast<std::size_t>(size)};
 }
 
-inline sys::CertificateHandle certificate_of(EVP_PKEY* key, const std::string& name) {
+inline sys::CertificateHandle certificate_of(EVP_PKEY* key, const std::string& name,
+                                             const char* ends) {
   sys::CertificateHandle made(X509_new());
   X509_set_version(made.get(), X509_VERSION_3);
   ASN1_INTEGER_set(X509_get_serialNumber(made.get()), 1);
   X509_gmtime_adj(X509_getm_notBefore(made.get()), 0);
   X509_gmtime_adj(X509_getm_notAfter(made.get()), 3600);
+  if (ends != nullptr) {
+    ASN1_TIME_set_string(X509_getm_notAfter(made.get()), ends);
+  }
   X509_NAME* const subject = X509_get_subject_name(made.get());
   X509_NAME_add_entry_by_txt(subject, "CN", MBSTRING_ASC,
                              reinterpret_cast<const unsigned char*>(name.c_str()), -1, -1, 0);
@@ -46,9 +50,10 @@ inline sys::CrlHandle list_of(EVP_PKEY* key, const X509* authority) {
   return made;
 }
 
-inline MadeAuthority make_authority(const std::string& name) {
+/// `ends`: both, as in a certificate; else in an hour.
+inline MadeAuthority make_authority(const std::string& name, const char* ends = nullptr) {
   const sys::KeyHandle key(EVP_PKEY_Q_keygen(nullptr, nullptr, "EC", "P-256"));
-  const sys::CertificateHandle certificate = certificate_of(key.get(), name);
+  const sys::CertificateHandle certificate = certificate_of(key.get(), name, ends);
   const sys::CrlHandle list = list_of(key.get(), certificate.get());
   const sys::BioHandle certificate_text(BIO_new(BIO_s_mem()));
   const sys::BioHandle list_text(BIO_new(BIO_s_mem()));

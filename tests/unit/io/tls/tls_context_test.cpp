@@ -79,6 +79,24 @@ TEST_F(TlsContextTest, WantsAListOfEachAuthority) {
   EXPECT_EQ(failure(settings), "");
 }
 
+TEST_F(TlsContextTest, KnowsDatesBeyondItsClock) {
+  const auto dates = [this](const char* ends) {
+    const MadeAuthority made = make_authority("Plant 7", ends);
+    gateway::TlsSettings settings{.name = "x"};
+    settings.certificate = write("gateway.crt", made.certificate);
+    settings.authorities = write("ca.crt", made.certificate);
+    settings.crl = write("plant.crl", made.list);
+    const auto context = TlsContext::make(settings, {});
+    EXPECT_TRUE(context);
+    return context ? (*context)->dates() : TlsDates{};
+  };
+  const auto now = std::chrono::system_clock::now();
+  const TlsDates endless = dates("99991231235959Z");
+  EXPECT_GT(endless.certificate_ends, now);
+  EXPECT_GT(endless.crl_ends, now);
+  EXPECT_LT(dates("15001231235959Z").certificate_ends, now);
+}
+
 TEST(ResumableSessions, KeepTheNewest) {
   ResumableSessions sessions(2);
   for (const char* id : {"a", "b", "c"}) {
