@@ -17,7 +17,8 @@ namespace mbgate::signer {
 
 class Door {
  public:
-  /// Connections at a time. mbgated has one for each key, and for a moment twice as many.
+  /// Connections at a time. mbgated has one for each key of its listeners, for a moment twice as
+  /// many, and one more for each line that is shaking hands.
   static constexpr std::size_t kMostConnections = 32;
 
   /// The socket, one of SOCK_SEQPACKET that listens, stays the caller's.

@@ -10,6 +10,7 @@ import ssl
 import subprocess
 import tempfile
 import threading
+import time
 import unittest
 
 from demo_plant import PATIENCE, DemoPlant, Process, program
@@ -96,6 +97,15 @@ class Bus(FrontCase):
         self.ask(gateway, "read", "holding", 0)
         self.assertEqual(2, len(front.versions))
 
+    def test_keeps_no_connection_to_the_signer(self):
+        gateway = self.near(self.front().port)
+        self.ask(gateway, "read", "holding", 0)
+        limit = time.monotonic() + PATIENCE
+        while self.signer.process.sockets() > 1:  # the one that listens
+            self.assertLess(time.monotonic(), limit)
+            time.sleep(0.05)
+        self.ask(gateway, "read", "holding", 0)
+
     def test_says_why_the_server_is_not_trusted(self):
         for name, why in (
             ("expired", "certificate verify failed: certificate has expired"),
@@ -166,12 +176,12 @@ class Signer:
 
     def __enter__(self):
         socket = self._folder / "signer"
-        self._process = Process(self._folder, "mbgate-signer", "--keys", self._folder, "--socket", socket)
-        self._process.wait_for("^listening ")
+        self.process = Process(self._folder, "mbgate-signer", "--keys", self._folder, "--socket", socket)
+        self.process.wait_for("^listening ")
         return self
 
     def __exit__(self, *_):
-        self._process.end()
+        self.process.end()
 
 
 if __name__ == "__main__":

@@ -347,6 +347,14 @@ class Reload(TlsCase):
         self.assertNotEqual(after.getpeercert(binary_form=True), shown)
         self.assert_served(before)
 
+    def test_clients_from_before_it_hold_no_connection_to_the_signer(self):
+        for _ in range(40):  # a signer takes 32 connections
+            self.assert_served(self.use(self.plant.client()))
+            new = self.plant.authority.issue("ec", server=True, chain=[self.plant.authority.certificate])
+            self.plant.install("ec", new)
+            self.reload("reload: done")
+        self.assert_served(self.use(self.plant.client()))
+
     def test_a_revoked_client_is_ended_and_cannot_come_again(self):
         other = self.plant.authority.issue("other", [utf8("Viewer")])
         context = self.plant.context(self.plant.operator, VERSIONS[0])

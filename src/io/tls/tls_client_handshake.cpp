@@ -41,6 +41,7 @@ boost::asio::awaitable<std::optional<std::string>> TlsClient::shake_hands(
       greeted();
     }
     if (step == Step::done) {
+      SSL_certs_clear(&self->stream_.ssl());
       self->timer_.cancel();
       co_return std::nullopt;
     }

@@ -157,15 +157,25 @@ std::optional<TlsFailure> TlsContext::take_key(const std::string& signer, const 
   if (!client) {
     return TlsFailure{client.error().why, client.error().absent};
   }
-  const sys::KeyHandle remote = remote_key(*std::move(client));
-  if (!remote) {
+  key_ = remote_key(*std::move(client));
+  if (!key_) {
     return TlsFailure{key + ": expected a key of RSA or EC"};
   }
-  if (SSL_CTX_use_PrivateKey(context_.get(), remote.get()) != 1) {
+  if (X509_check_private_key(SSL_CTX_get0_certificate(context_.get()), key_.get()) != 1) {
     return TlsFailure{fmt::format("{}: it is not the key of the certificate ({})", key,
                                   sys::take_openssl_error())};
   }
   return std::nullopt;
+}
+
+// The key is that of a handshake, not of the context, which all its clients keep as long as they
+// are connected: with the key goes the connection to the signer.
+sys::SslHandle TlsContext::new_ssl() const {
+  sys::SslHandle ssl(SSL_new(context_.get()));
+  if (ssl && key_) {
+    SSL_use_PrivateKey(ssl.get(), key_.get());
+  }
+  return ssl;
 }
 
 std::optional<std::string> TlsContext::objection(X509* certificate, STACK_OF(X509) * chain) const {

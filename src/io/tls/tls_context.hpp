@@ -80,8 +80,10 @@ class TlsContext {
   TlsContext& operator=(const TlsContext&) = delete;
   ~TlsContext();
 
-  /// For one client.
-  [[nodiscard]] sys::SslHandle new_ssl() const { return sys::SslHandle(SSL_new(context_.get())); }
+  /// For one client. What it has of the private key goes with SSL_certs_clear().
+  [[nodiscard]] sys::SslHandle new_ssl() const;
+  /// No client comes any more. Handshakes that are under way go on.
+  void drop_key() { key_.reset(); }
   /// Why this certificate is not accepted now, by chain, dates and revocations; nothing: it is.
   /// `chain` may be nullptr.
   std::optional<std::string> objection(X509* certificate, STACK_OF(X509) * chain) const;
@@ -103,6 +105,7 @@ class TlsContext {
   static void session_ended(SSL_CTX* context, SSL_SESSION* session);
 
   sys::ContextHandle context_;
+  sys::KeyHandle key_;
   ResumableSessions sessions_;
   TlsDates dates_{};
   TlsContents contents_{};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/tls/tls_front.hpp"
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <exception>
 #include <utility>
@@ -136,7 +137,13 @@ bool TlsFront::hand_over(Entry& entry) {
 
 void TlsFront::judge_again(ListenerContexts contexts) {
   boost::asio::post(io_, [this, contexts = std::move(contexts)]() mutable {
-    contexts_ = std::move(contexts);
+    contexts_.swap(contexts);
+    for (const auto& [listener, old] : contexts) {
+      const auto is_old = [&old = old](const auto& it) { return it.second == old; };
+      if (std::ranges::none_of(contexts_, is_old)) {
+        old->drop_key();
+      }
+    }
     judge_all();
   });
 }

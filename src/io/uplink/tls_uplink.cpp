@@ -34,13 +34,13 @@ using Wrong = std::optional<std::string>;
 /// Only its first initialisation can leave that out.
 const int kNoTidying = OPENSSL_init_crypto(OPENSSL_INIT_NO_ATEXIT, nullptr);
 
-Wrong use_key(SSL_CTX& context, const bus::TlsPeer& peer) {
+Wrong use_key(SSL& ssl, const bus::TlsPeer& peer) {
   auto signer = SignerClient::open(peer.signer, peer.key);
   if (!signer) {
     return signer.error().why;
   }
   const sys::KeyHandle key = remote_key(*std::move(signer));
-  if (!key || SSL_CTX_use_PrivateKey(&context, key.get()) != 1) {
+  if (!key || SSL_use_PrivateKey(&ssl, key.get()) != 1) {
     return fmt::format("{}: it is not the key of {} ({})", peer.key, peer.certificate,
                        sys::take_openssl_error());
   }
@@ -65,13 +65,13 @@ Result<sys::SslHandle, std::string> make_peer(const bus::TlsPeer& peer) {
   if (auto trusted = use_authorities(*context, peer.authorities, peer.crl); !trusted) {
     return trusted.error();
   }
-  wrong = use_key(*context, peer);
-  if (wrong) {
-    return *std::move(wrong);
-  }
   sys::SslHandle ssl(SSL_new(context.get()));
   if (!ssl) {
     return sys::take_openssl_error();
+  }
+  wrong = use_key(*ssl, peer);
+  if (wrong) {
+    return *std::move(wrong);
   }
   if (!sys::expect_name(*ssl, peer.server_name)) {
     return fmt::format("server_name: no certificate can contain such a name ({})",
@@ -128,6 +128,7 @@ std::string run_uplink(int server, int line, const bus::TlsPeer& peer) {
   if (end == End::stream) {
     return why_not_begun(stream, pump.last_step(), peer.server_name);
   }
+  SSL_certs_clear(&stream.ssl());  // with the key goes the connection to the signer
   if (end == End::none) {
     const bool told = ::send(line, &TlsUplink::kReady, 1, MSG_DONTWAIT | MSG_NOSIGNAL) == 1;
     end = told ? pump.carry(kTakeTime) : End::plain;
