@@ -65,13 +65,13 @@ class Events(ControlCase):
         self.assertEqual(int(event["id"]), first + lost["data"]["lost"] + 1)
 
     def test_streams_are_limited_and_keep_nobody_from_the_status(self):
-        self.edit("[http]\n", f"[http]\nmax_streams = {MOST_STREAMS}\n")
+        self.edit("[http]\n", f"[http]\nmax_streams = {4 * MOST_STREAMS}\n")
         self.assertEqual(self.ask("POST", "/api/v1/reload")[0], 200)
         streams = [self.events() for _ in range(MOST_STREAMS)]
         self.assertEqual([stream.status for stream in streams], [200] * MOST_STREAMS)
         code, body = self.ask("GET", EVENTS)
         self.assertEqual(code, 503)
-        why = "5 clients already follow events or the trace; [http] max_streams allows 5"
+        why = "5 readers of this address or user already follow events or the trace; [http] max_streams = 20 allows 5 of each"
         self.assertEqual(body["error"], why)
         refused = self.mbgatectl("events", "--control", self.plant.control)
         self.assertEqual((refused.returncode, refused.stdout), (1, ""))

@@ -141,11 +141,17 @@ class Http(HttpCase):
 
     def test_streams_over_tcp_leave_places_to_the_socket(self):
         self.listen("max_streams = 4")
-        self.assertEqual([self.events(self.tcp()).status for _ in range(4)], [200, 200, 200, 503])
+        clients = (self.tcp(f"127.0.0.{last}") for last in range(1, 5))
+        self.assertEqual([self.events(client).status for client in clients], [200, 200, 200, 503])
         code, body = self.ask("GET", TRACE, self.tcp())
         why = "3 clients already follow events or the trace over TCP; [http] max_streams = 4 allows 3 there"
         self.assertEqual((code, body["error"]), (503, why))
         self.assertEqual(self.events(UnixConnection(self.plant.control)).status, 200)
+
+    def test_streams_of_one_address_leave_places_to_others(self):
+        self.listen("max_streams = 8")
+        self.assertEqual([self.events(self.tcp()).status for _ in range(3)], [200, 200, 503])
+        self.assertEqual(self.events(self.tcp("127.0.0.2")).status, 200)
 
     def test_a_reload_ends_streams_of_those_who_may_not_read_any_more(self):
         self.listen('allow = ["127.0.0.1", "127.0.0.2"]')

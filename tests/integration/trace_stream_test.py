@@ -56,7 +56,7 @@ class Trace(ControlCase):
         self.assertEqual((code, body["error"]), (400, "function=300: expected a number, 0 to 255"))
 
     def test_the_journal_comes_beside_it_for_whoever_asks(self):
-        self.edit("[http]\n", "[http]\nmax_streams = 2\n")
+        self.edit("[http]\n", "[http]\nmax_streams = 8\n")
         self.assertEqual(self.ask("POST", "/api/v1/reload")[0], 200)
         stream = self.trace("?events=1&device=axis-x")
         kept = stream.find("^configuration in force")
@@ -85,7 +85,7 @@ class Trace(ControlCase):
             self.assertIsNone(wire["held_until"])
 
     def test_it_shares_the_places_with_events(self):
-        self.edit("[http]\n", "[http]\nmax_streams = 2\n")
+        self.edit("[http]\n", "[http]\nmax_streams = 8\n")
         self.assertEqual(self.ask("POST", "/api/v1/reload")[0], 200)
         held = [self.trace(), EventStream(UnixConnection(self.plant.control))]
         self.addCleanup(held[1].close)
@@ -93,7 +93,7 @@ class Trace(ControlCase):
         self.assertEqual(self.ask("GET", EVENTS)[0], 503)
 
     def test_readers_that_read_nothing_hold_up_nobody(self):
-        self.edit("[http]\n", f"[http]\nmax_streams = {STUCK + 1}\n")
+        self.edit("[http]\n", f"[http]\nmax_streams = {4 * (STUCK + 1)}\n")
         self.assertEqual(self.ask("POST", "/api/v1/reload")[0], 200)
         self.assertEqual([self.trace().status for _ in range(STUCK)], [200] * STUCK)
         reader = self.trace("?client=127.0.0.1")

@@ -64,7 +64,7 @@ asio::awaitable<void> ControlServer::serve_one(ControlDoors::Entered client) {
   if (!stream) {
     co_return;
   }
-  const Counted place = streams_.take(client.over_tcp);
+  const auto place = streams_.take({client.asker.client, client.over_tcp});
   if (const auto* after = std::get_if<std::uint64_t>(&*stream)) {
     co_await events_.feed(*client.stream, *after);
   } else {
@@ -75,7 +75,7 @@ asio::awaitable<void> ControlServer::serve_one(ControlDoors::Entered client) {
 }
 
 std::optional<Result<ControlServer::Stream, Refusal>> ControlServer::begin_stream(
-    const Request& request, bool over_tcp) {
+    const Request& request, const StreamPlaces::Reader& asker) {
   const auto as_stream = [](const auto& begin) {
     return begin ? Result<Stream, Refusal>(Stream(*begin))
                  : Result<Stream, Refusal>(boost::system::in_place_error, begin.error());
@@ -84,7 +84,7 @@ std::optional<Result<ControlServer::Stream, Refusal>> ControlServer::begin_strea
   if (request.method() != http::verb::get || (!is_of_events && path_of(request) != kTracePath)) {
     return std::nullopt;
   }
-  if (auto full = streams_.refusal(over_tcp)) {
+  if (auto full = streams_.refusal(asker)) {
     return Refusal{http::status::service_unavailable, *std::move(full)};
   }
   return is_of_events ? as_stream(events_.begin(value_of(request, "Last-Event-ID")))
@@ -134,7 +134,8 @@ asio::awaitable<std::optional<ControlServer::Stream>> ControlServer::serve(
     Response response;
     if (const auto refusal = refused(client, *incoming)) {
       response = answer(request, refusal->status, error_json(refusal->why));
-    } else if (const auto stream_asked = begin_stream(request, client.over_tcp)) {
+    } else if (const auto stream_asked =
+                   begin_stream(request, {client.asker.client, client.over_tcp})) {
       if (*stream_asked) {
         co_return **stream_asked;
       }

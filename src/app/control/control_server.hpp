@@ -62,7 +62,8 @@ class ControlServer {
   /// Until the connection ends, or is to be a stream.
   boost::asio::awaitable<std::optional<Stream>> serve(ControlDoors::Entered& client);
   /// Nothing: it is no request for a stream.
-  std::optional<Result<Stream, Refusal>> begin_stream(const Request& request, bool over_tcp);
+  std::optional<Result<Stream, Refusal>> begin_stream(const Request& request,
+                                                      const StreamPlaces::Reader& asker);
   /// What a request without a refusal is answered, if it is none for a stream.
   boost::asio::awaitable<Response> respond(const Request& request, const Asker& asker);
   /// Why a request gets no other answer, or nothing. Counts commands.

@@ -99,57 +99,61 @@ class StreamReaders {
 
 // Limits the clients that follow a stream, events or the trace: each holds a descriptor as long as
 // it reads. A quarter of the places, and at least one, is reserved for the Unix socket, so that
-// readers over a network keep no operator out.
-
-/// One of something that is counted, as long as it is there.
-class Counted {
- public:
-  /// It may be there for longer than whoever looks at the count.
-  explicit Counted(std::shared_ptr<std::size_t> count) : count_(std::move(count)) { ++*count_; }
-  Counted(const Counted&) = delete;
-  Counted& operator=(const Counted&) = delete;
-  ~Counted() { --*count_; }
-
- private:
-  std::shared_ptr<std::size_t> count_;
-};
+// readers over a network keep no operator out. No client has more than a quarter, or one.
 
 class StreamPlaces {
  public:
+  struct Reader {
+    std::string client;  ///< what places are counted by
+    bool over_tcp = false;
+  };
+  /// A place, as long as it is held.
+  using Place = std::shared_ptr<const Reader>;
+
   explicit StreamPlaces(std::size_t most) : most_(most) {}
 
   /// Whoever has a place keeps it.
   void set_most(std::size_t most) { most_ = most; }
   /// Why there is no place; nothing if there is one.
-  [[nodiscard]] std::optional<std::string> refusal(bool over_tcp) const {
-    const std::size_t taken = *of_socket_ + *of_tcp_;
+  [[nodiscard]] std::optional<std::string> refusal(const Reader& asker) const {
+    constexpr const char* kFollow = "already follow events or the trace";
+    const std::size_t taken = count([](const Reader&) { return true; });
+    const std::size_t over_tcp = count([](const Reader& it) { return it.over_tcp; });
+    const std::size_t own = count([&](const Reader& it) { return it.client == asker.client; });
     if (taken >= most_) {
-      return fmt::format(
-          "{} clients already follow events or the trace; [http] max_streams allows {}", taken,
-          most_);
+      return fmt::format("{} clients {}; [http] max_streams allows {}", taken, kFollow, most_);
     }
-    if (over_tcp && *of_tcp_ >= most_over_tcp()) {
+    if (asker.over_tcp && over_tcp >= most_ - quarter()) {
+      return fmt::format("{} clients {} over TCP; [http] max_streams = {} allows {} there",
+                         over_tcp, kFollow, most_, most_ - quarter());
+    }
+    if (own >= quarter()) {
       return fmt::format(
-          "{} clients already follow events or the trace over TCP; [http] max_streams = {} allows "
-          "{} there",
-          *of_tcp_, most_, most_over_tcp());
+          "{} readers of this address or user {}; [http] max_streams = {} allows {} of each", own,
+          kFollow, most_, quarter());
     }
     return std::nullopt;
   }
-  /// A place, until it is destroyed. To be taken only while there is one.
-  [[nodiscard]] Counted take(bool over_tcp) const {
-    return Counted(over_tcp ? of_tcp_ : of_socket_);
+  /// To be taken only while there is one.
+  [[nodiscard]] Place take(Reader asker) {
+    std::erase_if(places_, [](const auto& place) { return place.expired(); });
+    auto place = std::make_shared<const Reader>(std::move(asker));
+    places_.emplace_back(place);
+    return place;
   }
 
  private:
-  [[nodiscard]] std::size_t most_over_tcp() const {
-    constexpr std::size_t kShare = 4;
-    return most_ - std::max<std::size_t>(most_ / kShare, 1);
+  template <typename Counts>
+  [[nodiscard]] std::size_t count(Counts counts) const {
+    return static_cast<std::size_t>(std::ranges::count_if(places_, [&](const auto& it) {
+      const Place place = it.lock();
+      return place && counts(*place);
+    }));
   }
+  [[nodiscard]] std::size_t quarter() const { return std::max<std::size_t>(most_ / 4, 1); }
 
   std::size_t most_;  ///< one at least
-  std::shared_ptr<std::size_t> of_socket_ = std::make_shared<std::size_t>(0);
-  std::shared_ptr<std::size_t> of_tcp_ = std::make_shared<std::size_t>(0);
+  std::vector<std::weak_ptr<const Reader>> places_;
 };
 
 }  // namespace mbgate::app
