@@ -68,16 +68,16 @@ inline void wait_for(const Closings& closings, std::chrono::seconds limit) {
 
 class ClosingPorts {
  public:
-  /// `closed` is ready once the port is given back.
+  /// `device`: by any of its paths. `closed` is ready once the port is given back.
   void note(const std::string& device, const std::shared_future<void>& closed) {
     std::erase_if(closing_, [](const auto& port) {
       return port.second.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
     });
-    closing_[device] = closed;
+    closing_[port_end(device)] = closed;
   }
   /// Nothing to wait for: not valid.
   [[nodiscard]] std::shared_future<void> of(const std::string& device) const {
-    const auto port = closing_.find(device);
+    const auto port = closing_.find(port_end(device));
     return port == closing_.end() ? std::shared_future<void>() : port->second;
   }
 

@@ -92,13 +92,14 @@ TEST(ReadWaiting, ReadsBehindAFullBufferWhatWasThereThen) {
   EXPECT_EQ(peer.asked, 1);
 }
 
-// A reload may give a port to another bus.
+// A reload may give a port to another bus, which may know it by another path.
 TEST_F(SerialLineTest, WaitsUntilAnotherLineHasGivenBackItsPort) {
   const sys::PseudoTerminal terminal;
   bus::LineSettings settings;
   settings.device = terminal.path();
   const LineContext context{context_, blocking_, *this};
   SerialLine first(context, drive::BusId{0}, settings);
+  settings.device.insert(1, "./");
   SerialLine second(context, drive::BusId{1}, settings);
   for (int round = 1; round <= 20; ++round) {
     first.open();
