@@ -63,13 +63,12 @@ void GatewayDriver::remove_servers(ListenerId listener) { servers_.remove(listen
 void GatewayDriver::start() {
   carry_out_actions();
   servers_.start();
-  phase_ = Phase::serving;
 }
 
 void GatewayDriver::reload(const gateway::Settings& settings, std::string_view config) {
   notice_stall(clock_());
   carry_out_actions();
-  feed(gateway::SettingsChanged{&settings, config});
+  hand_in(gateway::SettingsChanged{&settings, config}, clock_());
   servers_.set_end(end_of_client_descriptors(gateway_.settings()));
   carry_out_actions();
   observer_.on_status_changed();
@@ -94,7 +93,7 @@ void GatewayDriver::shutdown() {
 void GatewayDriver::client_accepted(ListenerId listener, AcceptedClient client) {
   notice_stall(clock_());
   const gateway::ListenerSettings& where = settings().listener(listener);
-  gateway::ClientInfo info{listener, client.address()};
+  gateway::ClientInfo info{listener, address_of(client.peer)};
   if (where.tls && !where.is_gone) {
     info.role.kind = routing::ClientRole::Kind::named;  // which one is not known yet
     const bool allowed = routing::lets_in(where.allow, info.address);

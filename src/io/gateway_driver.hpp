@@ -91,7 +91,6 @@ class GatewayDriver final : public AcceptEvents,
   void accept_failed(gateway::ListenerId listener, const boost::system::error_code& error) override;
   void tls_arrived(TlsArrival arrival) override;
   void tls_refused(const TlsPlace& place, const std::string& why) override;
-  void tls_ended(const TlsPlace& place, const std::string& why) override;
   void tls_behind(std::chrono::milliseconds missed) override;
   void tls_drained() override;
   void client_bytes(gateway::ClientId client, modbus::Bytes bytes, std::size_t unread) override;
@@ -155,8 +154,8 @@ class GatewayDriver final : public AcceptEvents,
   ClientConnections clients_;
   LineSet lines_;
   ServerSet servers_;
-  enum class Phase : std::uint8_t { starting, serving, flushing, finished };
-  Phase phase_ = Phase::starting;
+  enum class Phase : std::uint8_t { serving, flushing, finished };
+  Phase phase_ = Phase::serving;
   boost::asio::steady_timer flush_timer_;
   Heartbeat heartbeat_;
   std::optional<gateway::Instant> behind_until_;

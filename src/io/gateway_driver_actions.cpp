@@ -115,10 +115,6 @@ void GatewayDriver::tls_refused(const TlsPlace& place, const std::string& why) {
   observer_.on_tls_refusal(place, why);
 }
 
-void GatewayDriver::tls_ended(const TlsPlace& place, const std::string& why) {
-  observer_.on_tls_refusal(place, why);
-}
-
 void GatewayDriver::tls_behind(std::chrono::milliseconds missed) {
   notice_stall(clock_());
   is_tls_behind_ = true;

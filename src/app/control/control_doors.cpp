@@ -18,6 +18,7 @@
 #include "gateway/settings.hpp"
 #include "io/advice.hpp"
 #include "io/clients/resources.hpp"
+#include "io/clients/tcp_server.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::app {
@@ -63,13 +64,6 @@ std::string forbidden() {
       "\r\n"
       "{}",
       kBody.size(), kBody);
-}
-
-ClientAddress address_of(const tcp::endpoint& peer) {
-  const auto from = peer.address();
-  const auto v6 =
-      from.is_v6() ? from.to_v6() : asio::ip::make_address_v6(asio::ip::v4_mapped, from.to_v4());
-  return ClientAddress(v6.to_bytes());
 }
 
 using boost::asio::local::stream_protocol;
@@ -184,7 +178,7 @@ void ControlDoors::let_in(ListenerId door, tcp::socket socket) {
   if (error) {
     return;  // it has gone
   }
-  const ClientAddress address = address_of(peer);
+  const ClientAddress address = io::address_of(peer);
   if (contains(allowed_, address)) {
     std::erase_if(connections_,
                   [](const Connection& connection) { return connection.stream.expired(); });

@@ -58,7 +58,7 @@ int accept_socket(int listening, tcp::endpoint& peer) {
 
 }  // namespace
 
-routing::ClientAddress AcceptedClient::address() const {
+routing::ClientAddress address_of(const tcp::endpoint& peer) {
   const auto from = peer.address();
   const auto v6 = from.is_v6()
                       ? from.to_v6()

@@ -26,15 +26,15 @@
 
 namespace mbgate::io {
 
+/// IPv4 as IPv6.
+routing::ClientAddress address_of(const boost::asio::ip::tcp::endpoint& peer);
+
 struct AcceptedClient {
   boost::asio::ip::tcp::socket socket;
   boost::asio::ip::tcp::endpoint peer;
   /// Bytes that could be read when the connection was accepted, if accept_waiting() did that or if
   /// the connection had waited for long; else 0.
   std::size_t bytes_waiting = 0;
-
-  /// The address of the peer.
-  [[nodiscard]] routing::ClientAddress address() const;
 };
 
 class AcceptEvents {

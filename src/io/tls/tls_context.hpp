@@ -153,10 +153,9 @@ class TlsEvents {
   /// It has brought its ClientHello; tls_arrived() or tls_refused() follows.
   virtual void tls_greeted(const TlsPlace& /*place*/) {}
   virtual void tls_arrived(TlsArrival arrival) = 0;
-  /// There was no handshake.
+  /// There was no handshake; or a client that had arrived was ended, and the machine sees that its
+  /// socket has gone.
   virtual void tls_refused(const TlsPlace& place, const std::string& why) = 0;
-  /// A client that had arrived was ended. The machine sees that its socket has gone.
-  virtual void tls_ended(const TlsPlace& place, const std::string& why) = 0;
   /// The thread of TLS has not run for so long: what it hands on until tls_drained() is old.
   virtual void tls_behind(std::chrono::milliseconds missed) = 0;
   virtual void tls_drained() = 0;

@@ -23,7 +23,7 @@ void TlsDoor::use(ListenerContexts contexts) {
 void TlsDoor::take(gateway::ListenerId number, const gateway::Settings& settings,
                    AcceptedClient client) {
   const gateway::ListenerSettings& listener = settings.listener(number);
-  const TlsPlace place{number, client.address(), next_handshake_++};
+  const TlsPlace place{number, address_of(client.peer), next_handshake_++};
   const auto context = contexts_.find(number);
   const std::string why = context == contexts_.end() || !front_ ? "there is no certificate"
                                                                 : begin(place, listener.handshakes);

@@ -59,9 +59,6 @@ class TlsDoor final : public TlsEvents {
   void tls_greeted(const TlsPlace& place) override;
   void tls_arrived(TlsArrival arrival) override;
   void tls_refused(const TlsPlace& place, const std::string& why) override;
-  void tls_ended(const TlsPlace& place, const std::string& why) override {
-    events_.tls_ended(place, why);
-  }
   void tls_behind(std::chrono::milliseconds missed) override { events_.tls_behind(missed); }
   void tls_drained() override { events_.tls_drained(); }
 

@@ -106,7 +106,7 @@ boost::asio::awaitable<void> TlsFront::serve(std::uint64_t key, gateway::Handsha
     co_await TlsClient::carry(client);
     if (!client->complaint().empty()) {
       tell([place = clients_[key].place, why = client->complaint()](TlsEvents& events) {
-        events.tls_ended(place, "its TLS was ended: " + why);
+        events.tls_refused(place, "its TLS was ended: " + why);
       });
     }
   }
@@ -154,7 +154,8 @@ void TlsFront::judge_all() {
       continue;
     }
     if (const auto why = objection(entry)) {
-      tell([place = entry.place, why = *why](TlsEvents& events) { events.tls_ended(place, why); });
+      tell(
+          [place = entry.place, why = *why](TlsEvents& events) { events.tls_refused(place, why); });
       entry.client->end();
     }
   }
@@ -174,14 +175,10 @@ std::optional<std::string> TlsFront::objection(const Entry& entry) const {
 
 // Before anything goes on that has waited meanwhile.
 void TlsFront::look_for_stall() {
-  if (is_looking_) {
-    return;
-  }
   const auto missed = heartbeat_.missed(now());
   if (!missed) {
     return;
   }
-  is_looking_ = true;
   tell([missed = *missed](TlsEvents& events) { events.tls_behind(missed); });
   for (auto& [key, entry] : clients_) {
     if (entry.client->has_pair()) {
@@ -191,7 +188,6 @@ void TlsFront::look_for_stall() {
     }
   }
   tell([](TlsEvents& events) { events.tls_drained(); });
-  is_looking_ = false;
 }
 
 void TlsFront::forget(std::uint64_t key) {

@@ -69,7 +69,6 @@ class TlsFront {
   TlsClientContext shared_;
   ListenerContexts contexts_;
   std::map<std::uint64_t, Entry> clients_;  ///< by the numbers of their handshakes
-  bool is_looking_ = false;
   bool is_ending_ = false;
   std::thread thread_;
 };

@@ -31,7 +31,6 @@ class TlsDoorTest : public testing::Test, public TlsEvents {
   void tls_refused(const TlsPlace& place, const std::string& why) override {
     refused_.push_back(place.address.to_text() + ": " + why);
   }
-  void tls_ended(const TlsPlace& /*place*/, const std::string& /*why*/) override {}
   void tls_behind(std::chrono::milliseconds /*missed*/) override {}
   void tls_drained() override {}
 
