@@ -35,9 +35,11 @@ struct ClientSent {
 struct ClientHalfClosed {
   ClientId client;
 };
-/// The connection is gone. Unknown clients are ignored.
+/// The connection is gone. `bytes`: of ClientBytes, but read when it was gone already; only stops
+/// among them count. Unknown clients are ignored.
 struct ClientDisconnected {
   ClientId client;
+  modbus::Bytes bytes{};
 };
 struct LineOpened {
   BusId bus;

@@ -141,9 +141,9 @@ void GatewayDriver::client_half_closed(ClientId client) {
   carry_out_actions();
 }
 
-void GatewayDriver::client_disconnected(ClientId client) {
+void GatewayDriver::client_disconnected(ClientId client, modbus::Bytes bytes) {
   clients_.note_disconnected(client);
-  feed(gateway::ClientDisconnected{client});
+  feed(gateway::ClientDisconnected{client, bytes});
   carry_out_actions();
   observer_.on_status_changed();
 }

@@ -96,7 +96,7 @@ class GatewayDriver final : public AcceptEvents,
   void client_bytes(gateway::ClientId client, modbus::Bytes bytes, std::size_t unread) override;
   void client_sent(gateway::ClientId client) override;
   void client_half_closed(gateway::ClientId client) override;
-  void client_disconnected(gateway::ClientId client) override;
+  void client_disconnected(gateway::ClientId client, modbus::Bytes bytes) override;
   void client_closed(gateway::ClientId client) override;
   void line_opened(gateway::BusId bus, bus::LineKind kind,
                    const std::vector<std::string>& warnings) override;

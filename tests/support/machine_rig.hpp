@@ -67,7 +67,10 @@ class MachineRig {
     feed(gateway::ClientBytes{ClientId{client}, unhex(bytes), unread});
   }
   void half_close(std::uint64_t client) { feed(gateway::ClientHalfClosed{ClientId{client}}); }
-  void disconnect(std::uint64_t client) { feed(gateway::ClientDisconnected{ClientId{client}}); }
+  /// `bytes`: read when it had gone.
+  void disconnect(std::uint64_t client, std::string_view bytes = {}) {
+    feed(gateway::ClientDisconnected{ClientId{client}, unhex(bytes)});
+  }
   void confirm_sent(std::uint64_t client) { feed(gateway::ClientSent{ClientId{client}}); }
   void line(std::string_view bytes, std::uint32_t bus = 0) {
     feed(gateway::LineBytes{BusId{bus}, unhex(bytes)});

@@ -59,6 +59,9 @@ void Clients::handle(const ClientHalfClosed& input, Instant /*now*/) {
 
 void Clients::handle(const ClientDisconnected& input, Instant now) {
   if (ClientSession* session = sessions_.find(input.client)) {
+    if (!input.bytes.empty()) {
+      session->input.append(input.bytes, now, now);
+    }
     leave(*session, now);
     door_.forget(*session, now);
   }

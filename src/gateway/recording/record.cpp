@@ -88,7 +88,12 @@ struct InputWords {
   }
   void operator()(const ClientSent& input) { words.word("sent").client(input.client); }
   void operator()(const ClientHalfClosed& input) { words.word("fin").client(input.client); }
-  void operator()(const ClientDisconnected& input) { words.word("gone").client(input.client); }
+  void operator()(const ClientDisconnected& input) {
+    words.word("gone").client(input.client);
+    if (!input.bytes.empty()) {
+      words.hex(input.bytes);
+    }
+  }
   void operator()(const LineOpened& input) {
     words.word("opened").bus(input.bus).word(word_of(input.kind));
   }

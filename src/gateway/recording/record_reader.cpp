@@ -114,6 +114,7 @@ class LineWords {
       error_ = fmt::format("expected {}, found \"{}\"", wanted, found);
     }
   }
+  [[nodiscard]] bool has_ended() const { return ended_; }
   /// What was wrong, or nothing if the line ends here.
   std::string error() {
     if (!ended_) {
@@ -139,12 +140,25 @@ ClientConnected connected_of(LineWords& words) {
   return input;
 }
 
+modbus::Bytes read_bytes(LineWords& words, std::vector<std::uint8_t>& storage) {
+  const modbus::Bytes bytes = words.hex(storage);
+  if (bytes.size() > kClientReadSize) {
+    words.wrong(fmt::format("at most {} bytes", kClientReadSize),
+                fmt::format("{} bytes", bytes.size()));
+  }
+  return bytes;
+}
+
 ClientBytes bytes_of(LineWords& words, std::vector<std::uint8_t>& storage) {
   ClientBytes input{words.client(), {}, words.number<std::size_t>("a number of bytes")};
-  input.bytes = words.hex(storage);
-  if (input.bytes.size() > kClientReadSize) {
-    words.wrong(fmt::format("at most {} bytes", kClientReadSize),
-                fmt::format("{} bytes", input.bytes.size()));
+  input.bytes = read_bytes(words, storage);
+  return input;
+}
+
+ClientDisconnected gone_of(LineWords& words, std::vector<std::uint8_t>& storage) {
+  ClientDisconnected input{words.client()};
+  if (!words.has_ended()) {
+    input.bytes = read_bytes(words, storage);
   }
   return input;
 }
@@ -168,7 +182,7 @@ Input input_of(LineWords& words, std::vector<std::uint8_t>& storage) {
     return ClientHalfClosed{words.client()};
   }
   if (kind == "gone") {
-    return ClientDisconnected{words.client()};
+    return gone_of(words, storage);
   }
   if (kind == "opened") {
     const BusId bus = words.bus();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/clients/tcp_connection.hpp"
 
+#include <poll.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 
@@ -14,6 +15,16 @@
 namespace mbgate::io {
 
 using boost::system::error_code;
+
+namespace {
+
+/// The client has reset it, for one; what it had sent before can be read nevertheless.
+bool is_gone(int socket) {
+  pollfd asked{socket, 0, 0};
+  return ::poll(&asked, 1, 0) > 0;
+}
+
+}  // namespace
 
 std::size_t unread_bytes(int socket) {
   int bytes = 0;
@@ -123,6 +134,10 @@ void TcpConnection::read_once() {
   const ssize_t count = ::recv(socket_.native_handle(), buffer.data(), buffer.size(), MSG_DONTWAIT);
   if (count > 0) {
     const auto size = static_cast<std::size_t>(count);
+    if (is_gone(socket_.native_handle())) {
+      disconnect(modbus::Bytes(buffer).first(size));
+      return;
+    }
     const std::size_t unread = size < buffer.size() ? 0 : unread_bytes(socket_.native_handle());
     context_.events.client_bytes(client_, modbus::Bytes(buffer).first(size), unread);
   } else if (count == 0) {
@@ -215,9 +230,9 @@ boost::asio::awaitable<void> TcpConnection::discard_until_fin(std::shared_ptr<Tc
   }
 }
 
-void TcpConnection::disconnect() {
+void TcpConnection::disconnect(modbus::Bytes bytes) {
   abort();
-  context_.events.client_disconnected(client_);
+  context_.events.client_disconnected(client_, bytes);
 }
 
 void TcpConnection::finish() {

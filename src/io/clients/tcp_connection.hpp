@@ -35,8 +35,9 @@ class ConnectionEvents {
   /// The client has sent FIN. Called when the FIN is read; before that also once if it is noticed
   /// while reading is paused, when bytes before it are still unread.
   virtual void client_half_closed(gateway::ClientId client) = 0;
-  /// The connection has ended by itself; its socket is closed.
-  virtual void client_disconnected(gateway::ClientId client) = 0;
+  /// The connection has ended by itself; its socket is closed. `bytes`: what it had sent before,
+  /// read when it had ended already.
+  virtual void client_disconnected(gateway::ClientId client, modbus::Bytes bytes) = 0;
   /// After close(): the socket is closed.
   virtual void client_closed(gateway::ClientId client) = 0;
 };
@@ -91,7 +92,7 @@ class TcpConnection : public std::enable_shared_from_this<TcpConnection> {
   bool write_queued();
   void start_writing();
   void handle_fin();
-  void disconnect();
+  void disconnect(modbus::Bytes bytes = {});
   void finish();
   void stop_watching();
 

@@ -67,6 +67,7 @@ TEST(Record, EveryInputIsALineThatCanBeReadAgain) {
       {ClientSent{ClientId{7}}, "1234567890123 sent 7"},
       {ClientHalfClosed{ClientId{7}}, "1234567890123 fin 7"},
       {ClientDisconnected{ClientId{7}}, "1234567890123 gone 7"},
+      {ClientDisconnected{ClientId{7}, bytes}, "1234567890123 gone 7 0001AB"},
       {LineOpened{BusId{1}}, "1234567890123 opened 1 virtual"},
       {LineBytes{BusId{1}, bytes}, "1234567890123 line 1 0001AB"},
       {LineUnsent{BusId{1}, 8}, "1234567890123 unsent 1 8"},

@@ -48,6 +48,16 @@ TEST(Stop, IsSentThoughItIsOlderThanTheProcess) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre(busy(1), written(2, 1, true)));
 }
 
+TEST(Stop, IsSentThoughItsClientHadGoneBeforeItWasRead) {
+  MachineRig rig(stop_plant());
+  rig.connect(1);
+  rig.disconnect(1, write_request(1) + stop_request(2));
+  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
+  rig.respond(kStop1);
+  rig.advance(10s);
+  EXPECT_THAT(take_requests(rig), IsEmpty());
+}
+
 TEST(Stop, OfAllCountsForEveryDeviceThatHearsIt) {
   Settings settings = stop_plant();
   settings.devices[1].profile.broadcast.form = std::nullopt;

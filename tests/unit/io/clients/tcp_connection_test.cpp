@@ -24,7 +24,10 @@ class TcpConnectionTest : public testing::Test, public ConnectionEvents {
   }
   void client_sent(gateway::ClientId /*client*/) override { ++sent_; }
   void client_half_closed(gateway::ClientId /*client*/) override { ++half_closed_; }
-  void client_disconnected(gateway::ClientId /*client*/) override { disconnected_ = true; }
+  void client_disconnected(gateway::ClientId /*client*/, modbus::Bytes bytes) override {
+    disconnected_ = true;
+    read_when_gone_.assign(bytes.begin(), bytes.end());
+  }
   void client_closed(gateway::ClientId /*client*/) override { closed_ = true; }
 
   bool wait_for(const std::function<bool()>& happened) { return run_until(context_, happened); }
@@ -53,6 +56,7 @@ class TcpConnectionTest : public testing::Test, public ConnectionEvents {
   std::shared_ptr<TcpConnection> connection_ =
       std::make_shared<TcpConnection>(connection_context_, kClient, acceptor_.accept());
   std::string received_;
+  std::string read_when_gone_;
   int sent_ = 0;
   int half_closed_ = 0;
   bool disconnected_ = false;
@@ -66,6 +70,16 @@ TEST_F(TcpConnectionTest, HandsOverBytesThenTheFin) {
   ASSERT_TRUE(wait_for([&] { return half_closed_ == 1; }));
   EXPECT_EQ(received_, "request");
   EXPECT_FALSE(disconnected_);
+}
+
+// The kernel gives bytes though a reset has come behind them.
+TEST_F(TcpConnectionTest, HandsOverNoRequestOfAClientThatHasGone) {
+  ASSERT_TRUE(client_.send("request"));
+  client_.reset();
+  connection_->start();
+  ASSERT_TRUE(wait_for([&] { return disconnected_; }));
+  EXPECT_EQ(received_, "");
+  EXPECT_EQ(read_when_gone_, "request");
 }
 
 TEST_F(TcpConnectionTest, StillSendsAfterTheFin) {
