@@ -48,7 +48,7 @@ class Machine {
       responses_.push_back(answer(0, rtu));
       feed(gateway::ClientConnected{
           gateway::ClientId{client},
-          {gateway::ListenerId{0}, *routing::ClientAddress::parse("192.0.2.1"), 0}});
+          {gateway::ListenerId{0}, *routing::ClientAddress::parse("192.0.2.1")}});
       ask(client);
     }
   }

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "bus/job.hpp"
 #include "gateway/settings.hpp"
@@ -20,10 +21,9 @@ enum class ClientId : std::uint64_t {};
 struct ClientInfo {
   ListenerId listener{};
   routing::ClientAddress address;
-  /// Bytes that were readable at accept, for connections accepted before the first READY=1, and for
-  /// those that had waited for long to be accepted; else 0. Writes among them are old, perhaps
-  /// older than this process, and must not be carried out.
-  std::size_t bytes_before_ready = 0;
+  /// What can be read from it already may have waited since then; Instant::min(): through a start.
+  /// Nothing: there is nothing to be read yet.
+  std::optional<bus::Instant> waits_since{};
   routing::ClientRole role{};
 };
 

@@ -17,9 +17,6 @@ using gateway::BusId;
 using gateway::ClientId;
 using gateway::ListenerId;
 
-/// How long after it has not run it may still find connections that came meanwhile: it accepts some
-/// at a time.
-constexpr std::chrono::seconds kBehind{1};
 /// More than lies in any socket: what a client with TLS has sent before the thread of TLS was
 /// stopped may not have come to its socket here.
 constexpr std::size_t kStillBehind = 1UL << 24U;
@@ -103,8 +100,9 @@ void GatewayDriver::client_accepted(ListenerId listener, AcceptedClient client) 
     }
     // Who may not connect is closed before a byte is read: by the machine, as others are.
   }
-  info.bytes_before_ready =
-      is_behind() ? unread_bytes(client.socket.native_handle()) : client.bytes_waiting;
+  if (unread_bytes(client.socket.native_handle()) > 0) {
+    info.waits_since = client.connected;
+  }
   connected(clients_.add(std::move(client.socket)), info);
 }
 
@@ -209,14 +207,11 @@ bool GatewayDriver::notice_stall(gateway::Instant at) {
   if (!missed) {
     return false;
   }
-  behind_until_ = at + kBehind;
   hand_in(gateway::Stalled{*missed}, at);
   observer_.on_stall(*missed);
   boost::asio::post(context_, [this] { clients_.read_all(); });
   return true;
 }
-
-bool GatewayDriver::is_behind() const { return behind_until_ && clock_() < *behind_until_; }
 
 void GatewayDriver::carry_out_actions() {
   if (carrying_out_ || reading_at_) {

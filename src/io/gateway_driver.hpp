@@ -113,8 +113,6 @@ class GatewayDriver final : public AcceptEvents,
   void hand_in(const gateway::Input& input, gateway::Instant at);
   /// What clients have sent while this did not run is old. True if it has not run for too long.
   bool notice_stall(gateway::Instant at);
-  /// May connections still come that have waited for it to run?
-  [[nodiscard]] bool is_behind() const;
   void connected(gateway::ClientId id, const gateway::ClientInfo& info);
   /// Carries out the actions of the machine until there are none left, then sets the timer. A
   /// nested call (an action that causes an input) leaves the work to the outer call.
@@ -158,7 +156,6 @@ class GatewayDriver final : public AcceptEvents,
   Phase phase_ = Phase::serving;
   boost::asio::steady_timer flush_timer_;
   Heartbeat heartbeat_;
-  std::optional<gateway::Instant> behind_until_;
 };
 
 }  // namespace mbgate::io

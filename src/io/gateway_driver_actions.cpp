@@ -104,11 +104,13 @@ void GatewayDriver::tls_arrived(TlsArrival arrival) {
     return;
   }
   arrival.socket.release();
-  const std::size_t waiting =
-      std::max(arrival.bytes_waiting, is_behind() ? unread_bytes(socket.native_handle()) : 0);
+  gateway::ClientInfo info{arrival.place.listener, arrival.place.address, {}, arrival.role};
+  if (unread_bytes(socket.native_handle()) > 0) {
+    info.waits_since = arrival.since;
+  }
   const gateway::ClientId id = clients_.add(std::move(socket));
   clients_.find(id)->set_relayed();
-  connected(id, {arrival.place.listener, arrival.place.address, waiting, arrival.role});
+  connected(id, info);
 }
 
 void GatewayDriver::tls_refused(const TlsPlace& place, const std::string& why) {

@@ -22,14 +22,17 @@ Driver::Driver(gateway::Settings settings)
   drain();
 }
 
-void Driver::connect(std::uint32_t listener, std::uint8_t host, std::size_t bytes_before_ready) {
+void Driver::connect(std::uint32_t listener, std::uint8_t host, bool through_a_start) {
   routing::ClientAddress::Octets octets{};
   octets[10] = octets[11] = 0xFF;
   octets[15] = host;
   const ClientId id{next_client_++};
   clients_.try_emplace(id);
-  feed(gateway::ClientConnected{
-      id, {gateway::ListenerId{listener}, routing::ClientAddress(octets), bytes_before_ready}});
+  gateway::ClientInfo info{gateway::ListenerId{listener}, routing::ClientAddress(octets)};
+  if (through_a_start) {
+    info.waits_since = bus::Instant::min();
+  }
+  feed(gateway::ClientConnected{id, info});
 }
 
 void Driver::client_bytes(std::size_t index, modbus::Bytes bytes) {

@@ -21,7 +21,7 @@ class Driver {
  public:
   explicit Driver(gateway::Settings settings);
 
-  void connect(std::uint32_t listener, std::uint8_t host, std::size_t bytes_before_ready);
+  void connect(std::uint32_t listener, std::uint8_t host, bool through_a_start);
   void client_bytes(std::size_t client, modbus::Bytes bytes);
   void half_close(std::size_t client);
   void disconnect(std::size_t client);

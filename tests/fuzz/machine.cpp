@@ -126,7 +126,7 @@ void step(Driver& driver, Script& script, Rules& rules, std::uint16_t& transacti
     case 0: {
       const std::uint8_t choice = script.byte();
       driver.connect(static_cast<std::uint32_t>(choice % driver.listeners()), (choice >> 2U) % 4,
-                     choice >= 0xE0 ? 24 : 0);
+                     choice >= 0xE0);
       return;
     }
     case 1:
@@ -163,7 +163,7 @@ MBGATE_FUZZ_TARGET(machine) {
   Rules rules{script.word(), 0};
   Driver driver(plant(rules.choices));
   for (std::uint8_t clients = 0; clients < 3; ++clients) {
-    driver.connect(clients % 2U, clients, 0);
+    driver.connect(clients % 2U, clients, false);
   }
   std::uint16_t transaction = 0;
   while (!script.empty()) {

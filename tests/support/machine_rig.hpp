@@ -57,11 +57,11 @@ class MachineRig {
   }
 
   void connect(std::uint64_t client, std::string_view address = "192.0.2.1",
-               std::uint32_t listener = 0, std::size_t bytes_before_ready = 0,
+               std::uint32_t listener = 0, std::optional<Instant> waits_since = {},
                const routing::ClientRole& role = {}) {
     feed(gateway::ClientConnected{
         ClientId{client},
-        {ListenerId{listener}, *routing::ClientAddress::parse(address), bytes_before_ready, role}});
+        {ListenerId{listener}, *routing::ClientAddress::parse(address), waits_since, role}});
   }
   void receive(std::uint64_t client, std::string_view bytes, std::size_t unread = 0) {
     feed(gateway::ClientBytes{ClientId{client}, unhex(bytes), unread});

@@ -45,7 +45,7 @@ void Client::connect() {
   connection.opened = tools_.schedule.now();
   tools_.ledger.connections.push_back(connection);
   const gateway::ListenerId listener{static_cast<std::uint32_t>(manners_.listener)};
-  tools_.hand_in(gateway::ClientConnected{number(), {listener, address_of(manners_.host), 0, {}}});
+  tools_.hand_in(gateway::ClientConnected{number(), {listener, address_of(manners_.host)}});
 }
 
 void Client::plan_next() {

@@ -16,11 +16,8 @@ ClientSession::ClientSession(ClientId id, const ClientInfo& info, const Listener
       key_(key_of(info, listener)),
       listener_(&listener),
       rights_{listener.read_only.contains(info.address, info.role)},
-      ran_at_(now) {
-  if (info.bytes_before_ready > 0) {
-    waits_since_ = Instant::min();
-  }
-}
+      waits_since_(info.waits_since),
+      ran_at_(now) {}
 
 void ClientSession::adopt(const ListenerSettings& listener) {
   listener_ = &listener;

@@ -80,7 +80,10 @@ struct InputWords {
   void operator()(const ClientConnected& input) {
     words.word("connected").client(input.client);
     words.number(static_cast<std::uint64_t>(input.info.listener));
-    words.word(input.info.address.to_text()).number(input.info.bytes_before_ready);
+    words.word(input.info.address.to_text());
+    const auto& since = input.info.waits_since;
+    const Duration shown = since ? std::max(since->time_since_epoch(), Duration{1}) : Duration{0};
+    words.number(static_cast<std::uint64_t>(shown.count()));
     words.role(input.info.role);
   }
   void operator()(const ClientBytes& input) {

@@ -135,7 +135,9 @@ ClientConnected connected_of(LineWords& words) {
   ClientConnected input{words.client(), {}};
   input.info.listener = ListenerId{words.number<std::uint32_t>("the place of a listener")};
   input.info.address = words.address();
-  input.info.bytes_before_ready = words.number<std::size_t>("a number of bytes");
+  if (const auto since = words.number<std::int64_t>("an instant in nanoseconds"); since > 0) {
+    input.info.waits_since = instant_of(since);
+  }
   input.info.role = words.role();
   return input;
 }

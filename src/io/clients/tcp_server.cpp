@@ -10,9 +10,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "gateway/limits.hpp"
 #include "io/clients/resources.hpp"
-#include "io/clients/tcp_connection.hpp"
 #include "io/clock.hpp"
 #include "io/supervise.hpp"
 
@@ -74,7 +72,6 @@ TcpServer::TcpServer(boost::asio::io_context& context, gateway::ListenerId liste
       pause_(context),
       events_(events),
       end_(end),
-      old_(gateway::write_deadline(bus::Duration::zero())),
       spare_(open_spare()) {}
 
 void TcpServer::accept_waiting() {
@@ -109,13 +106,13 @@ boost::asio::awaitable<void> TcpServer::run() {
   }
 }
 
-TcpServer::Outcome TcpServer::accept_one(bool count_bytes) {
+TcpServer::Outcome TcpServer::accept_one(bool is_start) {
   tcp::endpoint peer;
   sys::UniqueFd socket(accept_socket(acceptor_.native_handle(), peer));
   const int failure = socket.is_open() ? 0 : errno;
   const int reason = failure != 0 ? failure : objection(socket.get());
   if (reason == 0) {
-    return take(std::move(socket), peer, count_bytes);
+    return take(std::move(socket), peer, is_start);
   }
   socket.reset();
   switch (reason) {
@@ -139,10 +136,8 @@ int TcpServer::objection(int socket) const {
   return is_memory_left() ? 0 : ENOMEM;
 }
 
-TcpServer::Outcome TcpServer::take(sys::UniqueFd socket, const tcp::endpoint& peer,
-                                   bool count_bytes) {
-  const bool is_old = count_bytes || age_of(socket.get()) >= old_;
-  const std::size_t waiting = is_old ? unread_bytes(socket.get()) : 0;
+TcpServer::Outcome TcpServer::take(sys::UniqueFd socket, const tcp::endpoint& peer, bool is_start) {
+  const bus::Instant connected = is_start ? bus::Instant::min() : now() - age_of(socket.get());
   tcp::socket connection(context_);
   error_code error;
   connection.assign(peer.protocol(), socket.get(), error);
@@ -151,7 +146,7 @@ TcpServer::Outcome TcpServer::take(sys::UniqueFd socket, const tcp::endpoint& pe
     return Outcome::failed;
   }
   socket.release();
-  events_.client_accepted(listener_, {std::move(connection), peer, waiting});
+  events_.client_accepted(listener_, {std::move(connection), peer, connected});
   return Outcome::accepted;
 }
 

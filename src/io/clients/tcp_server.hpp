@@ -8,8 +8,8 @@
 // - connections that the machine has closed: client_connections, tcp_connection.
 // - file descriptors and memory that are reserved for the gateway itself: resources, used by
 //   tcp_server and app/control/control_doors.
-// - writes that waited while the process was started or stopped: which are too old: tcp_server;
-//   their answers: gateway/clients/client_session.
+// - writes that waited until their connection was accepted: how long: tcp_server; which are too
+//   old: gateway/clients/client_session.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -20,6 +20,7 @@
 #include <memory>
 #include <vector>
 
+#include "bus/instant.hpp"
 #include "gateway/settings.hpp"
 #include "routing/client_address.hpp"
 #include "sys/unique_fd.hpp"
@@ -32,9 +33,8 @@ routing::ClientAddress address_of(const boost::asio::ip::tcp::endpoint& peer);
 struct AcceptedClient {
   boost::asio::ip::tcp::socket socket;
   boost::asio::ip::tcp::endpoint peer;
-  /// Bytes that could be read when the connection was accepted, if accept_waiting() did that or if
-  /// the connection had waited for long; else 0.
-  std::size_t bytes_waiting = 0;
+  /// What it has sent already came no earlier; Instant::min(): perhaps before this process.
+  bus::Instant connected = bus::Instant::min();
 };
 
 class AcceptEvents {
@@ -60,10 +60,6 @@ class TcpServer {
   void accept_waiting();
   /// Accepts new connections from now on.
   void start();
-  /// A connection that has waited so long before it was accepted brings old requests: the process
-  /// was stopped for a while, or too many came at a time. The default is the shortest time that a
-  /// write may wait without a deadline of its own.
-  void set_old(bus::Duration age) { old_ = age; }
   /// Accepts no more.
   void stop();
   void set_end(int end) { end_ = end; }
@@ -73,10 +69,10 @@ class TcpServer {
   enum class Outcome : std::uint8_t { accepted, none_waiting, failed };
 
   boost::asio::awaitable<void> run();
-  Outcome accept_one(bool count_bytes);
+  Outcome accept_one(bool is_start);
   /// 0, or the error number that says why a client with this descriptor is not let in.
   [[nodiscard]] int objection(int socket) const;
-  Outcome take(sys::UniqueFd socket, const boost::asio::ip::tcp::endpoint& peer, bool count_bytes);
+  Outcome take(sys::UniqueFd socket, const boost::asio::ip::tcp::endpoint& peer, bool is_start);
   /// With the spare descriptor, accepts and closes what is waiting.
   void shed();
 
@@ -86,7 +82,6 @@ class TcpServer {
   boost::asio::steady_timer pause_;
   AcceptEvents& events_;
   int end_;
-  bus::Duration old_;
   sys::UniqueFd spare_;
 };
 

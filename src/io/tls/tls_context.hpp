@@ -16,6 +16,7 @@
 #include <string_view>
 #include <unordered_map>
 
+#include "bus/instant.hpp"
 #include "gateway/settings.hpp"
 #include "modbus/result.hpp"
 #include "routing/client_role.hpp"
@@ -142,8 +143,9 @@ struct TlsArrival {
   TlsPlace place;
   sys::UniqueFd socket;  ///< the machine's end of the pair
   routing::ClientRole role;
-  std::size_t bytes_waiting =
-      0;  ///< what is to be read from it is as old as the process's last stop
+  /// What it has sent already came no earlier; Instant::min(): before the thread of TLS was
+  /// stopped.
+  bus::Instant since = bus::Instant::min();
 };
 
 /// Called on the thread of the machine.

@@ -128,7 +128,8 @@ bool TlsFront::hand_over(Entry& entry) {
     entry.client->end();
     return false;
   }
-  arrival.bytes_waiting = entry.is_old ? entry.client->drain() : 0;
+  const bool brings_old = entry.is_old && entry.client->drain() > 0;
+  arrival.since = brings_old ? bus::Instant::min() : now();
   tell([arrival = std::move(arrival)](TlsEvents& events) mutable {
     events.tls_arrived(std::move(arrival));
   });

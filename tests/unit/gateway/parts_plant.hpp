@@ -13,7 +13,7 @@ using gateway::ClientSession;
 using gateway::SettingsHistory;
 
 inline ClientInfo info_of(std::string_view address, std::uint32_t listener = 0) {
-  return {ListenerId{listener}, *routing::ClientAddress::parse(address), 0};
+  return {ListenerId{listener}, *routing::ClientAddress::parse(address)};
 }
 
 template <typename Kind>

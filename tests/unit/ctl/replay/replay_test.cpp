@@ -64,7 +64,7 @@ class Recording {
 
 gateway::ClientConnected a_client() {
   return {gateway::ClientId{0},
-          {gateway::ListenerId{0}, *routing::ClientAddress::parse("192.0.2.1"), 0}};
+          {gateway::ListenerId{0}, *routing::ClientAddress::parse("192.0.2.1")}};
 }
 
 // First one file, then two that share a table, the first without its last newline.

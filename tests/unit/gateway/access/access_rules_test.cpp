@@ -233,9 +233,9 @@ TEST(AccessInTheMachine, ARoleDecidesAndOneThatCannotBeReadIsDeniedEverything) {
   AccessRule operators = rule(true, "operators");
   operators.roles = {"operator"};
   MachineRig rig(plant_with({operators}));
-  rig.connect(1, "192.0.2.1", 0, 0, {ClientRole::Kind::named, "operator"});
-  rig.connect(2, "192.0.2.1", 0, 0, {ClientRole::Kind::named, "guest"});
-  rig.connect(3, "192.0.2.1", 0, 0, {ClientRole::Kind::unreadable, ""});
+  rig.connect(1, "192.0.2.1", 0, {}, {ClientRole::Kind::named, "operator"});
+  rig.connect(2, "192.0.2.1", 0, {}, {ClientRole::Kind::named, "guest"});
+  rig.connect(3, "192.0.2.1", 0, {}, {ClientRole::Kind::unreadable, ""});
   rig.connect(4, "192.0.2.1");
   EXPECT_THAT(rig.closed, ElementsAre(4U));  // without a role nothing can be permitted
   for (const std::uint64_t client : {1, 2, 3}) {
@@ -245,7 +245,7 @@ TEST(AccessInTheMachine, ARoleDecidesAndOneThatCannotBeReadIsDeniedEverything) {
   EXPECT_THAT(rig.take_sent(2), ElementsAre(kDenied));
   EXPECT_THAT(rig.take_sent(3), ElementsAre(kDenied));
   MachineRig without_rules(plant_with({}));
-  without_rules.connect(3, "192.0.2.1", 0, 0, {ClientRole::Kind::unreadable, ""});
+  without_rules.connect(3, "192.0.2.1", 0, {}, {ClientRole::Kind::unreadable, ""});
   without_rules.receive(3, write_request(2) + "0003 0000 0006 FF 04 0000 0001");
   EXPECT_THAT(without_rules.take_sent(3), ElementsAre(kDenied, "00 03 00 00 00 03 FF 84 01"));
 }

@@ -95,7 +95,7 @@ TEST(Denials, SayWhoByTheCertificate) {
   AccessRule reads = reading();
   reads.any_role = true;
   MachineRig rig(plant_with({reads}));
-  rig.connect(1, "192.0.2.1", 0, 0, {ClientRole::Kind::named, "viewer", "panel 3"});
+  rig.connect(1, "192.0.2.1", 0, {}, {ClientRole::Kind::named, "viewer", "panel 3"});
   rig.events.clear();
   rig.receive(1, write_request(2));
   EXPECT_THAT(

@@ -206,9 +206,21 @@ TEST(Gateway, AReadCountsFromItsLastByte) {
   EXPECT_THAT(rig.take_sent(1), IsEmpty());
 }
 
+TEST(Gateway, AWriteThatWaitedToBeAcceptedIsAsOld) {
+  MachineRig rig;
+  rig.advance(1min);
+  rig.connect(1, "192.0.2.1", 0, rig.now() - 1min);
+  rig.receive(1, write_request(1));
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 03 01 86 06"));
+  EXPECT_THAT(rig.take_transmitted(), IsEmpty());
+  rig.connect(2, "192.0.2.2", 0, rig.now() - 300ms);
+  rig.receive(2, write_request(2));
+  EXPECT_THAT(rig.take_transmitted(), SizeIs(1));
+}
+
 TEST(Gateway, RefusesWritesThatWaitedBeforeTheStart) {
   MachineRig rig;
-  rig.connect(1, "192.0.2.1", 0, 24);  // two requests lay in the socket
+  rig.connect(1, "192.0.2.1", 0, Instant::min());  // two requests lay in the socket
   rig.receive(1, write_request(1) + read_request(2));
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 03 01 86 06"));
   EXPECT_THAT(rig.take_transmitted(), SizeIs(1));

@@ -45,12 +45,15 @@ TEST_F(PausedSession, AStallCountsFromWhenTheSocketWasSeenEmpty) {
   EXPECT_EQ(session_.arrival_of(0, start_ + 3s), start_ + 1s);
 }
 
-TEST_F(PausedSession, WhatWaitedThroughAStartHasNeverArrived) {
-  ClientInfo info;
-  info.bytes_before_ready = 12;
-  ClientSession session{{}, info, listener_, start_};
-  EXPECT_EQ(session.arrival_of(0, start_), Instant::min());
-  EXPECT_EQ(session.arrival_of(0, start_ + 1s), start_ + 1s);
+TEST_F(PausedSession, WhatWaitedBeforeItWasAcceptedArrivedWhenItConnected) {
+  for (const Instant connected : {start_ - 300ms, Instant::min()}) {
+    ClientInfo info;
+    info.waits_since = connected;
+    ClientSession session{{}, info, listener_, start_};
+    EXPECT_EQ(session.arrival_of(12, start_), connected);
+    EXPECT_EQ(session.arrival_of(0, start_), connected);
+    EXPECT_EQ(session.arrival_of(0, start_ + 1s), start_ + 1s);
+  }
 }
 
 TEST(ClientInput, IsAsOldAsItsFirstByteAndWhatIsLeftAsOldAsTheLast) {

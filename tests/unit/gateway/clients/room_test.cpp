@@ -139,11 +139,11 @@ TEST_F(Room, WhereCertificatesAreCountedEachIsAClient) {
   const auto named = [](const char* name) {
     return routing::ClientRole{routing::ClientRole::Kind::named, "operator", name};
   };
-  rig_->connect(1, kPlc, 0, 0, named("plc"));
+  rig_->connect(1, kPlc, 0, {}, named("plc"));
   ask(1);
-  rig_->connect(2, kPlc, 0, 0, named("screen"));
-  rig_->connect(3, kOther, 0, 0, named("screen"));
-  rig_->connect(4, kOther, 0, 0, named("plc 2"));
+  rig_->connect(2, kPlc, 0, {}, named("screen"));
+  rig_->connect(3, kOther, 0, {}, named("screen"));
+  rig_->connect(4, kOther, 0, {}, named("plc 2"));
   EXPECT_THAT(rig_->closed, ElementsAre(2));
 }
 
@@ -152,9 +152,9 @@ TEST_F(Room, ARoleMayBeKept) {
   settings.listeners[0].max_connections = 2;
   settings.listeners[0].keep.roles = {"plc"};
   rig_.emplace(settings);
-  rig_->connect(1, kPlc, 0, 0, {routing::ClientRole::Kind::named, "plc", {}});
-  rig_->connect(2, kPlc, 0, 0, {routing::ClientRole::Kind::named, "screen", {}});
-  rig_->connect(3, kPlc, 0, 0, {routing::ClientRole::Kind::named, "plc", {}});
+  rig_->connect(1, kPlc, 0, {}, {routing::ClientRole::Kind::named, "plc", {}});
+  rig_->connect(2, kPlc, 0, {}, {routing::ClientRole::Kind::named, "screen", {}});
+  rig_->connect(3, kPlc, 0, {}, {routing::ClientRole::Kind::named, "plc", {}});
   EXPECT_THAT(rig_->closed, ElementsAre(2));
 }
 

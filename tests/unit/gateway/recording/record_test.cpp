@@ -39,7 +39,8 @@ std::string again(const std::string& line) {
 
 TEST(Record, EveryInputIsALineThatCanBeReadAgain) {
   const auto bytes = unhex("00 01 AB");
-  const ClientInfo info{ListenerId{2}, *routing::ClientAddress::parse("192.0.2.1"), 12};
+  const ClientInfo info{ListenerId{2}, *routing::ClientAddress::parse("192.0.2.1"),
+                        Instant{Duration{12}}};
   ClientInfo of_role = info;
   of_role.role = {routing::ClientRole::Kind::named, "Op 1"};
   ClientInfo of_null_role = info;
@@ -176,7 +177,7 @@ TEST(Record, SaysWhatIsWrongWithAHead) {
 TEST(Record, AMachineDoesTheSameAgain) {
   const auto request = unhex(test::read_request(1));
   const auto answer = unhex("01 03 02 00 2A 39 9B");
-  const ClientInfo info{ListenerId{0}, *routing::ClientAddress::parse("192.0.2.1"), 0};
+  const ClientInfo info{ListenerId{0}, *routing::ClientAddress::parse("192.0.2.1")};
   const std::vector<std::pair<Duration, Input>> inputs{
       {std::chrono::milliseconds(0), LineOpened{BusId{0}}},
       {std::chrono::milliseconds(9), ClientConnected{ClientId{0}, info}},

@@ -91,7 +91,7 @@ TEST(Audit, NamesTheRoleAndABroadcastByItsBus) {
   Settings settings = audited();
   settings.routes.emplace_back().buses = {BusId{0}};  // unit 0
   MachineRig rig(settings);
-  rig.connect(1, "192.0.2.1", 0, 0, {ClientRole::Kind::named, "operator", "hmi"});
+  rig.connect(1, "192.0.2.1", 0, {}, {ClientRole::Kind::named, "operator", "hmi"});
   rig.events.clear();
   rig.receive(1, write_request(1, 0));
   EXPECT_THAT(
@@ -120,9 +120,9 @@ TEST(Audit, TellsAlwaysWhoHasLoggedInWithACertificate) {
   MachineRig rig(audited(false));
   rig.connect(1);
   EXPECT_THAT(rig.events, IsEmpty());
-  rig.connect(2, "192.0.2.1", 0, 0, {ClientRole::Kind::named, "operator"});
-  rig.connect(3, "192.0.2.1", 0, 0, {ClientRole::Kind::named, ""});
-  rig.connect(4, "192.0.2.1", 0, 0, {ClientRole::Kind::unreadable});
+  rig.connect(2, "192.0.2.1", 0, {}, {ClientRole::Kind::named, "operator"});
+  rig.connect(3, "192.0.2.1", 0, {}, {ClientRole::Kind::named, ""});
+  rig.connect(4, "192.0.2.1", 0, {}, {ClientRole::Kind::unreadable});
   const std::string end = " has logged in with its certificate";
   EXPECT_THAT(rig.events,
               ElementsAre(kWriting + " (role \"operator\")" + end, kWriting + " (no role)" + end,

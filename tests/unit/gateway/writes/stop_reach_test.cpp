@@ -41,7 +41,7 @@ TEST(Stop, TakesBackWhatLayInAPausedSocketButNotItsOwnClientsLaterWrites) {
 
 TEST(Stop, IsSentThoughItIsOlderThanTheProcess) {
   MachineRig rig(stop_plant());
-  rig.connect(1, "192.0.2.1", 0, 24);
+  rig.connect(1, "192.0.2.1", 0, Instant::min());
   rig.receive(1, write_request(1) + stop_request(2));
   EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
   rig.respond(kStop1);
