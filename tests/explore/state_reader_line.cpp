@@ -11,22 +11,23 @@ void StateReader::read(const bus::LineDiscipline& line, const Sight& sight, Hash
 }
 
 void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Hash& hash) {
-  // A setting: paced_setting. Counted, shown or told only:
+  // Settings: paced_setting, slack. Counted, shown or told only:
   // counters, draining, heard, heard_at, unpaced_reported. Without a
   // driver that holds something: unsent, is_answerless. Empty when the machine was asked for its
   // actions: faults, refused, end.
-  const auto& [silence, paced_setting, paced, counters, faults, echo, framer, transaction,
+  const auto& [silence, paced_setting, paced, counters, faults, slack, echo, framer, transaction,
                response_due, response_deadline, response_wait, owed, misfit, may_be_echo, refused,
                draining, heard, heard_at, unpaced_reported, unsent, is_answerless, end] = line;
   // Settings: timing, frame_gap, turnaround, settle.
-  const auto& [timing, frame_gap, turnaround, settle, quiet_since, busy_since, settling_until,
-               listening_until, turnaround_until, emission_ends] = silence;
+  const auto& [timing, frame_gap, pause, turnaround, settle, quiet_since, busy_since,
+               settling_until, listening_until, turnaround_until, emission_ends] = silence;
   require(faults.empty() && !end, "a line has told everything");
   const bool is_running = transaction != nullptr;
   // A stop compares these with its own instants; others with now.
   const Duration before = sight.stop_waits ? kFarPast : Duration{0};
   hash.add(paced);
-  hash.since(quiet_since, std::max({before, frame_gap, sight.frame_slack}));
+  hash.add(pause);
+  hash.since(quiet_since, std::max({before, pause, sight.frame_slack}));
   hash.since(busy_since, before);
   hash.until(settling_until);
   hash.until(listening_until);
@@ -96,13 +97,15 @@ void StateReader::read(const bus::RtuFramer& framer, Hash& hash) {
   // counters. Set and read within one input: found, noise. Empty when the machine was asked for its
   // actions: strays.
   const auto& [timing, slack, counters, transaction, sent, hurried, buffer, last_byte, answer,
-               answer_at, given, answers_another, discarding, found, noise, cut, strays] = framer;
+               answer_at, given, answers_another, discarding, behind_frame, found, noise, cut,
+               strays] = framer;
   const Duration reach = std::max(timing.t3_5(), slack);
   hash.add(transaction != nullptr);
   hash.since(last_byte, reach);
   hash.add(answer);
   hash.add(answers_another);
   hash.add(discarding);
+  hash.add(behind_frame);
   if (transaction != nullptr) {
     hash.add(given);
   }

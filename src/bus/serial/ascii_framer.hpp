@@ -52,6 +52,8 @@ class AsciiFramer {
   /// Has a frame begun that may be the answer? The response timeout is then over, its rest has its
   /// own time.
   [[nodiscard]] bool in_progress() const;
+  /// Has a frame begun, whoever it is for?
+  [[nodiscard]] bool is_amid_frame() const { return !buffer_.empty(); }
   /// Is a frame complete if no LF follows its CR?
   [[nodiscard]] bool awaits_silence() const { return is_whole_; }
   [[nodiscard]] const FoundResponse& found() const { return found_; }

@@ -42,6 +42,17 @@ void CutFrame::keep(modbus::Bytes bytes, Instant began, Instant last) {
   }
 }
 
+bool CutFrame::may_go_on(modbus::Bytes bytes, Instant began, Duration slack) const {
+  if (kept_.empty() || began - last_ > slack) {
+    return false;
+  }
+  boost::container::static_vector<std::uint8_t, 2 * modbus::kMaxRtuSize> joined(kept_.begin(),
+                                                                                kept_.end());
+  const modbus::Bytes rest = bytes.first(std::min(bytes.size(), modbus::kMaxRtuSize));
+  joined.insert(joined.end(), rest.begin(), rest.end());
+  return may_begin_frame({joined.data(), joined.size()});
+}
+
 std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant began) {
   if (began - last_ > kLongestPauses) {
     clear();

@@ -34,6 +34,9 @@ class CutFrame {
   /// begin with a valid frame themselves.
   std::optional<Joined> complete(modbus::Bytes bytes, Instant began);
 
+  /// Could `bytes`, which began at `began`, go on with what is kept, and more follow? Not behind a
+  /// pause longer than `slack`.
+  [[nodiscard]] bool may_go_on(modbus::Bytes bytes, Instant began, Duration slack) const;
   /// Is nothing kept? Then nothing can be completed.
   [[nodiscard]] bool empty() const { return kept_.empty(); }
 

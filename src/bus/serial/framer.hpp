@@ -46,6 +46,9 @@ class Framer {
   [[nodiscard]] bool in_progress() const {
     return std::visit([](const auto& framer) { return framer.in_progress(); }, framer_);
   }
+  [[nodiscard]] bool is_amid_frame() const {
+    return std::visit([](const auto& framer) { return framer.is_amid_frame(); }, framer_);
+  }
   [[nodiscard]] bool awaits_silence() const {
     return std::visit([](const auto& framer) { return framer.awaits_silence(); }, framer_);
   }

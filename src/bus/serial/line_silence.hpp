@@ -25,12 +25,14 @@ class LineSilence {
     frame_gap_ = settings.frame_gap.value_or(timing_.t3_5());
     turnaround_ = settings.turnaround;
     settle_ = settings.settle;
+    pause_ = frame_gap_;
   }
 
   /// The line was opened: it is listened to until then.
   void open(Instant now, Instant listen_until) {
     quiet_since_ = now;
     busy_since_ = now;
+    pause_ = frame_gap_;
     emission_ends_ = now;
     listening_until_ = listen_until;
     settling_until_ = now;
@@ -41,6 +43,7 @@ class LineSilence {
     emission_ends_ = now + timing_.duration_of(bytes);
     quiet_since_ = emission_ends_;
     busy_since_ = emission_ends_;
+    pause_ = frame_gap_;
   }
   /// It is a broadcast: the turnaround delay follows it.
   void note_broadcast() { turnaround_until_ = emission_ends_ + turnaround_; }
@@ -51,17 +54,19 @@ class LineSilence {
     }
     quiet_since_ = std::max(quiet_since_, now);
   }
+  /// A frame has begun in what was read, and may pause for so long; 0: none has.
+  void note_pause(Duration longest) { pause_ = std::max(frame_gap_, longest); }
   /// A response is missing.
   void note_unanswered(Instant now) { settling_until_ = std::max(settling_until_, now + settle_); }
 
   /// From when on the silence before a transmission suffices; `gap` is asked for on top of it.
   [[nodiscard]] Instant ready_at(Duration gap) const {
-    return std::max(std::max(quiet_since_ + frame_gap_ + gap, settling_until_),
+    return std::max(std::max(quiet_since_ + pause_ + gap, settling_until_),
                     std::max(listening_until_, turnaround_until_));
   }
   /// The same for a stop, which waits for nothing but silence and a turnaround delay.
   [[nodiscard]] Instant ready_for_stop_at() const {
-    return std::max(quiet_since_ + frame_gap_, turnaround_until_);
+    return std::max(quiet_since_ + pause_, turnaround_until_);
   }
   /// The same where nobody waits for silence: an own frame and a turnaround delay are over.
   [[nodiscard]] Instant possible_at() const { return std::max(emission_ends_, turnaround_until_); }
@@ -74,7 +79,7 @@ class LineSilence {
   /// When the last own frame has left.
   [[nodiscard]] Instant emission_ends() const { return emission_ends_; }
   /// Has the silence before a transmission come?
-  [[nodiscard]] bool is_silent(Instant now) const { return now >= quiet_since_ + frame_gap_; }
+  [[nodiscard]] bool is_silent(Instant now) const { return now >= quiet_since_ + pause_; }
   [[nodiscard]] bool is_listening(Instant now) const { return now < listening_until_; }
   [[nodiscard]] bool is_in_turnaround(Instant now) const { return now < turnaround_until_; }
   [[nodiscard]] Duration turnaround() const { return turnaround_; }
@@ -84,6 +89,7 @@ class LineSilence {
  private:
   modbus::RtuTiming timing_;
   Duration frame_gap_;
+  Duration pause_ = frame_gap_;  // behind the last byte: longer where a frame may go on
   Duration turnaround_;
   Duration settle_;
   Instant quiet_since_;  // the last byte in either direction

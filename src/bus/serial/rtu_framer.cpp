@@ -59,13 +59,21 @@ void RtuFramer::join_cut() {
     const Instant came = buffer_.came_at(joined->taken - 1);
     ++counters_.unsolicited_frames;
     UnsolicitedFrame unsolicited{frame.address, frame.pdu, came, joined->after_noise};
-    unsolicited.pause = joined->pause > silence() ? joined->pause : Duration{0};
+    unsolicited.pause = joined->pause > slack_ ? joined->pause : Duration{0};
     unsolicited_.add(unsolicited);
     discarding_ = answers_another_ =
         !joined->is_response && !looker().is_echo(frame.address, frame.pdu.bytes(), came);
     buffer_.drop(joined->taken);
     answer_ = Answer::not_begun;
   }
+}
+
+bool RtuFramer::is_amid_frame() const {
+  if (buffer_.size() < (is_behind_frame_ ? 2U : 1U)) {
+    return false;
+  }
+  return (!discarding_ && may_begin_frame(buffer_.bytes())) ||
+         cut_.may_go_on(buffer_.bytes(), buffer_.came_at(0), slack_);
 }
 
 void RtuFramer::note_unsolicited(std::size_t at, std::size_t size) {
@@ -83,8 +91,8 @@ void RtuFramer::discard() {
 
 Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
   // The longest frame is over, and there was no silence behind it.
-  if (awaits_silence() && now >= buffer_.came_at(answer_at_) + slack_ + silence() +
-                                     timing_.duration_of(modbus::kMaxRtuSize)) {
+  if (awaits_silence() &&
+      now >= buffer_.came_at(answer_at_) + 2 * slack_ + timing_.duration_of(modbus::kMaxRtuSize)) {
     discard();
   }
   const bool silence_before = now - last_byte_ >= timing_.t3_5();
@@ -93,7 +101,7 @@ Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
   if (silence_before && !in_progress()) {
     // What stands here was not the answer, and a new frame begins.
     give_up_buffer();
-    discarding_ = false;
+    discarding_ = is_behind_frame_ = false;
   } else if (silence_before && answer_ == Answer::incomplete) {
     // Nor was what stands before it a part of anything.
     counters_.stray_bytes += answer_at_;
@@ -157,12 +165,14 @@ void RtuFramer::accept(const RtuFind& response) {
   counters_.noise_bytes += response.at;
   buffer_.drop(response.at + response.size);
   answer_ = Answer::not_begun;
+  is_behind_frame_ = true;
 }
 
 void RtuFramer::consume(std::size_t at, std::size_t size) {
   note_unsolicited(at, size);
   counters_.noise_bytes += at;
   buffer_.drop(at + size);
+  is_behind_frame_ = true;
 }
 
 std::optional<Instant> RtuFramer::next_deadline() const {
@@ -171,10 +181,10 @@ std::optional<Instant> RtuFramer::next_deadline() const {
     const bool may_be_misfit = !answers_another_ && transaction_ != nullptr &&
                                buffer_.size() > modbus::kRtuOverhead &&
                                buffer_.bytes()[0] == transaction_->address;
-    return may_be_misfit ? std::optional(last_byte_ + silence()) : std::nullopt;
+    return may_be_misfit ? std::optional(last_byte_ + slack_) : std::nullopt;
   }
   if (awaits_silence()) {
-    return last_byte_ + silence();
+    return last_byte_ + slack_;
   }
   const modbus::PduLength length = looker().length_of(buffer_.bytes().subspan(answer_at_));
   const std::size_t size = length.kind == modbus::PduLength::Kind::known

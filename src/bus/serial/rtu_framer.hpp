@@ -24,10 +24,11 @@ namespace mbgate::bus {
 
 class RtuFramer {
  public:
-  /// `slack` is what an answer may pause in all, and the silence that ends what has no known end.
+  /// `slack`, or t3.5 if that is longer, is what an answer may pause in all, and the silence that
+  /// ends what has no known end.
   RtuFramer(const modbus::RtuTiming& timing, Duration slack, BusCounters& counters)
-      : timing_(timing), slack_(slack), counters_(counters) {}
-  void set_slack(Duration slack) { slack_ = slack; }
+      : timing_(timing), slack_(std::max(timing.t3_5(), slack)), counters_(counters) {}
+  void set_slack(Duration slack) { slack_ = std::max(timing_.t3_5(), slack); }
 
   /// From now on the answer to `transaction` is looked for; it must outlive the search. A request
   /// like it that begins before `sent` is its echo: the end of emission, if the line keeps its
@@ -50,6 +51,9 @@ class RtuFramer {
   /// Has an answer begun that is still incomplete? The response timeout is then over, its rest has
   /// its own time.
   [[nodiscard]] bool in_progress() const { return answer_ != Answer::not_begun; }
+  /// May what came last go on as a frame, whoever it is for? Then the line is busy for the slack
+  /// behind each byte. A single byte behind a complete frame is noise.
+  [[nodiscard]] bool is_amid_frame() const;
   /// Is a frame complete as far as can be seen, and only silence can tell?
   [[nodiscard]] bool awaits_silence() const {
     return answer_ != Answer::not_begun && answer_ != Answer::incomplete;
@@ -70,8 +74,6 @@ class RtuFramer {
   void accept(const RtuFind& response);
   void consume(std::size_t at, std::size_t size);
   Verdict end_by_silence();
-  /// What ends a frame of which nothing else tells the end.
-  [[nodiscard]] Duration silence() const { return std::max(timing_.t3_5(), slack_); }
   void note_unsolicited(std::size_t at, std::size_t size);
 
   modbus::RtuTiming timing_;
@@ -87,6 +89,7 @@ class RtuFramer {
   std::size_t given_ = 0;         // bytes since expect()
   bool answers_another_ = false;  // what stands here follows another client's request
   bool discarding_ = false;       // the buffer is no frame: everything until silence is stray
+  bool is_behind_frame_ = false;  // without a silence between
   FoundResponse found_;
   std::size_t noise_ = 0;
   CutFrame cut_;

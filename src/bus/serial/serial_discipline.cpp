@@ -33,6 +33,7 @@ SerialDiscipline::SerialDiscipline(const BusSettings& settings, BusCounters& cou
     : silence_(settings),
       paced_setting_(settings.line.paced),
       counters_(counters),
+      slack_(settings.frame_slack_or_default()),
       echo_(settings.line.echo, counters, faults_),
       framer_(settings, silence_.timing(), counters) {}
 
@@ -48,6 +49,7 @@ void SerialDiscipline::open(Instant now, LineKind kind, Instant listen_until) {
 
 void SerialDiscipline::update(const BusSettings& settings) {
   silence_.update(settings);
+  slack_ = settings.frame_slack_or_default();
   framer_.update(settings);
 }
 
@@ -157,6 +159,7 @@ void SerialDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
     heard_ += bytes.size();
   }
   judge(framer_.add(bytes, now), now);
+  silence_.note_pause(framer_.is_amid_frame() ? slack_ : Duration{0});
 }
 
 void SerialDiscipline::handle_deadline(Instant now) {

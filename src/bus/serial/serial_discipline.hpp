@@ -86,6 +86,7 @@ class SerialDiscipline {
   bool paced_ = false;
   BusCounters& counters_;
   LineFaults faults_;
+  Duration slack_;
   Echo echo_;
   Framer framer_;
 

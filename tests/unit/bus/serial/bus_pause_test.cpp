@@ -50,5 +50,32 @@ TEST_F(BusPause, WithinFrameSlackIsPartOfTheAnswer) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }
 
+// The latency timer of an adapter cuts it, and what is sent in between would be lost with it.
+TEST_F(BusPause, WithinFrameSlackOfALateAnswerNothingIsSent) {
+  open(settings());
+  submit(job("03 0000 0004"));
+  time_out();
+  line("01 03 08 00");
+  submit(job_of(1, kRead, 2));
+  advance(16ms);
+  line("01 00 02 00");
+  advance(16ms);
+  EXPECT_THAT(frames_, SizeIs(1));
+  line("03 00 04 0D 14");
+  EXPECT_EQ(bus_->counters().late_responses, 1U);
+  EXPECT_EQ(until_next_frame(10ms), kT35);
+}
+
+TEST_F(BusPause, OfWhatIsNoBeginningOfAFrameHoldsNothing) {
+  open(settings());
+  line("FE 03 08 00");
+  submit(job(kRead));
+  EXPECT_EQ(until_next_frame(30ms), kT35);
+  line(kAnswer);
+  line("05");  // a byte of noise behind it
+  submit(job(kRead));
+  EXPECT_EQ(until_next_frame(30ms), kT35);
+}
+
 }  // namespace
 }  // namespace mbgate::test
