@@ -112,20 +112,16 @@ Receivers everyone(const AllSent& sent) {
   return all;
 }
 
-// Of those that may hear address 0, a drive whose manual does not say so is not known to stop.
-bool is_stopped(const Device& device, BroadcastForm form, const Request& request) {
-  return device.profile.broadcast.hears(form) && device.is_stop(request);
-}
-
-/// A device of these that the request stops; nullptr: there is none.
+/// A device of these that the request stops; nullptr: there is none. Of those that may hear address
+/// 0, a drive whose manual does not say so is not known to stop.
 const Device* first_stopped(const AllSent& sent, const Request& request,
                             std::optional<BusId> bus = std::nullopt) {
   for (const Sent& it : sent) {
-    const auto found = std::ranges::find_if(it.receivers, [&](const Device* device) {
-      return (!bus || it.frame.bus == *bus) && is_stopped(*device, it.frame.form, request);
-    });
-    if (found != it.receivers.end()) {
-      return *found;
+    for (const Device* device : it.receivers) {
+      if ((!bus || it.frame.bus == *bus) && device->profile.broadcast.hears(it.frame.form) &&
+          device->is_stop(request)) {
+        return device;
+      }
     }
   }
   return nullptr;

@@ -17,12 +17,14 @@ bool Probes::may_ask(const Job& job, Instant now) const {
   if (now < entry.health.probe_at() || (!nobody_else_asks(now) && now < next_at_)) {
     return false;
   }
-  const bool holds = !settings_.has_identifiers();
+  const auto goes_first = [&](const DeviceEntry& other) {
+    return other.health.probe_at() < entry.health.probe_at() &&
+           now < other.health.wanted_at() + other.in_force().probe_interval &&
+           now >= other.free_at &&
+           (settings_.has_identifiers() || now >= other.hold.until(other.in_force()));
+  };
   return std::ranges::none_of(devices_.entries(), [&](const DeviceEntry& other) {
-    const bool is_held = now < other.free_at || (holds && now < other.hold.until(other.in_force()));
-    const bool goes_first = !is_held && other.health.probe_at() < entry.health.probe_at() &&
-                            now < other.health.wanted_at() + other.in_force().probe_interval;
-    return other.health.is_offline() && (other.probe != nullptr || goes_first);
+    return other.health.is_offline() && (other.probe != nullptr || goes_first(other));
   });
 }
 

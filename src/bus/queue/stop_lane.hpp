@@ -54,7 +54,6 @@ class StopLane {
   [[nodiscard]] bool empty() const { return stops_.empty(); }
   /// The number of places in use: stops that share one count once.
   [[nodiscard]] std::size_t size() const { return stops_.size() + resting_.size(); }
-  [[nodiscard]] Transmission* first() { return stops_.empty() ? nullptr : &stops_.front(); }
   /// The first for which `is_it` returns true; nullptr if there is none.
   template <typename Predicate>
   [[nodiscard]] Transmission* find(Predicate is_it) {

@@ -42,14 +42,18 @@ void CutFrame::keep(modbus::Bytes bytes, Instant began, Instant last) {
   }
 }
 
+CutFrame::Together CutFrame::joined_with(modbus::Bytes bytes) const {
+  Together joined(kept_.begin(), kept_.end());
+  const modbus::Bytes rest = bytes.first(std::min(bytes.size(), modbus::kMaxRtuSize));
+  joined.insert(joined.end(), rest.begin(), rest.end());
+  return joined;
+}
+
 bool CutFrame::may_go_on(modbus::Bytes bytes, Instant began, Duration slack) const {
   if (kept_.empty() || began - last_ > slack) {
     return false;
   }
-  boost::container::static_vector<std::uint8_t, 2 * modbus::kMaxRtuSize> joined(kept_.begin(),
-                                                                                kept_.end());
-  const modbus::Bytes rest = bytes.first(std::min(bytes.size(), modbus::kMaxRtuSize));
-  joined.insert(joined.end(), rest.begin(), rest.end());
+  const auto joined = joined_with(bytes);
   return may_begin_frame({joined.data(), joined.size()});
 }
 
@@ -65,10 +69,7 @@ std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant 
     clear();
     return std::nullopt;
   }
-  boost::container::static_vector<std::uint8_t, 2 * modbus::kMaxRtuSize> joined(kept_.begin(),
-                                                                                kept_.end());
-  const modbus::Bytes rest = bytes.first(std::min(bytes.size(), modbus::kMaxRtuSize));
-  joined.insert(joined.end(), rest.begin(), rest.end());
+  const auto joined = joined_with(bytes);
   const std::size_t before = kept_.size();
   std::size_t noise = 0;  // since a piece began
   for (std::size_t at = 0; at < before && at + 1 < joined.size(); ++at) {

@@ -41,6 +41,9 @@ class CutFrame {
   [[nodiscard]] bool empty() const { return kept_.empty(); }
 
  private:
+  using Together = boost::container::static_vector<std::uint8_t, 2 * modbus::kMaxRtuSize>;
+  /// What is kept, and these bytes behind it.
+  [[nodiscard]] Together joined_with(modbus::Bytes bytes) const;
   void clear();
   void make_room(std::size_t size);
 

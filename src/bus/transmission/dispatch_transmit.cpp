@@ -96,10 +96,10 @@ bool Dispatch::note_asked(const Transmission& transmission, Instant now) {
 // Where anything but a stop is done to a device, the next stop is urgent again. What its owner
 // calls a stop may be none.
 void Dispatch::note_changing(const Transaction& sent) {
-  const bool stops = parts_.devices.is_stop(sent.address, sent.request, sent.broadcast);
   if (sent.request.is_read()) {
     return;
   }
+  const bool stops = parts_.devices.is_stop(sent.address, sent.request, sent.broadcast);
   if (sent.is_broadcast()) {  // to others than those that it stops it may be an ordinary write
     stops ? parts_.acknowledged.forget_single() : parts_.acknowledged.forget_all();
   } else if (!stops) {

@@ -248,13 +248,7 @@ TEST_F(BusEcho, ThatComesBehindAnAnswerPaysForNoneThatIsOwed) {
 }
 
 TEST_F(BusEcho, BehindThatOfAStopAnExceptionMayBeThatOfTheWriteBefore) {
-  auto learning = settings();
-  learning.line.echo.reset();
-  bus_.emplace(learning, std::vector{axis(learning)});
-  bus_->start();
-  bus_->handle_opened(now_, bus::LineKind::virtual_line);
-  drain();
-  advance(5ms);
+  open_as(bus::LineKind::virtual_line, {}, {axis(settings())});
   for (const auto& heard : {std::string(kReadFrame) + kAnswer, std::string(kAnswer)}) {
     submit(job(kRead));
     advance(10ms);

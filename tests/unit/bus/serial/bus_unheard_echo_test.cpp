@@ -27,13 +27,7 @@ TEST_F(BusEcho, ALoneRepetitionAcknowledgesNothingOfADeviceThatWasNotHeard) {
 }
 
 TEST_F(BusEcho, NorAStopWhichIsRepeatedAndTold) {
-  auto learning = settings();
-  learning.line.echo.reset();
-  bus_.emplace(learning, std::vector{axis(learning)});
-  bus_->start();
-  bus_->handle_opened(now_, bus::LineKind::virtual_line);
-  drain();
-  advance(5ms);
+  open_as(bus::LineKind::virtual_line, {}, {axis(settings())});
   submit(job(kStop));
   for (std::size_t tries = 1; tries <= 4; ++tries) {
     ASSERT_THAT(frames_, SizeIs(tries));
@@ -47,13 +41,7 @@ TEST_F(BusEcho, NorAStopWhichIsRepeatedAndTold) {
 
 // What came may be the drive's answer or an echo, which a read tells.
 TEST_F(BusEcho, AReadGoesBeforeTheRepetitionOfAStopThatMayHaveBeenAnswered) {
-  auto learning = settings();
-  learning.line.echo.reset();
-  bus_.emplace(learning, std::vector{axis(learning)});
-  bus_->start();
-  bus_->handle_opened(now_, bus::LineKind::virtual_line);
-  drain();
-  advance(5ms);
+  open_as(bus::LineKind::virtual_line, {}, {axis(settings())});
   submit(job(kStop));
   submit(job_of(1, kRead));
   submit(job_of(2, kMove));

@@ -13,10 +13,11 @@ inline constexpr auto kRefusal = "01 86 02 C3 A1";
 
 class BusEcho : public Bus {
  protected:
-  void open_as(bus::LineKind kind, std::optional<bool> echo = {}) {
+  void open_as(bus::LineKind kind, std::optional<bool> echo = {},
+               const std::vector<drive::Device>& devices = {}) {
     auto learning = settings();
     learning.line.echo = echo;
-    bus_.emplace(learning, std::vector<drive::Device>{});
+    bus_.emplace(learning, devices);
     bus_->start();
     bus_->handle_opened(now_, kind);
     drain();

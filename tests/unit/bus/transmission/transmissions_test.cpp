@@ -91,19 +91,20 @@ TEST_F(Transmissions, RunUntilTheyLeaveOrEnd) {
 
 TEST_F(Transmissions, WaitInTheStopLaneInTheirOrder) {
   StopLane lane;
+  const auto first_of = [&lane] { return lane.find([](const Transmission&) { return true; }); };
   Transmission& first = lead(JobClass::stop, 1);
   Transmission& second = lead(JobClass::stop, 2);
   lane.push(first);
   lane.push(second);
-  EXPECT_EQ(lane.first(), &first);
+  EXPECT_EQ(first_of(), &first);
   EXPECT_EQ(lane.find([](const Transmission& it) { return it.leader->address() == 2; }), &second);
   lane.remove(first);
   lane.push_front(first);
-  EXPECT_EQ(lane.first(), &first);
+  EXPECT_EQ(first_of(), &first);
   EXPECT_EQ(lane.size(), 2U);
   lane.remove(first);
   lane.remove(second);
-  EXPECT_EQ(lane.first(), nullptr);
+  EXPECT_EQ(first_of(), nullptr);
 }
 
 TEST(LastSent, CountsWritesSinceTheLastReadAndKnowsALastStop) {
