@@ -51,8 +51,4 @@ Loaded load_settings(const std::vector<TextFile>& files, ProfileSearch search) {
   return read(TomlDocument::parse(files), std::move(search));
 }
 
-Loaded load_settings_text(std::string name, std::string_view text, ProfileSearch search) {
-  return read(TomlDocument::parse(std::move(name), text), std::move(search));
-}
-
 }  // namespace mbgate::config

@@ -19,7 +19,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "config/diagnostic.hpp"
@@ -52,9 +51,6 @@ Loaded load_settings(const std::filesystem::path& path, ProfileSearch search = {
 /// The same for files that were read before, at least one. `[gateway] profiles` is relative to the
 /// folder of the file that it stands in.
 Loaded load_settings(const std::vector<TextFile>& files, ProfileSearch search = {});
-
-/// The same for one text. `name` is its file name in the diagnostics.
-Loaded load_settings_text(std::string name, std::string_view text, ProfileSearch search = {});
 
 // The summary that --check prints for a configuration without errors.
 

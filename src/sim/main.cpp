@@ -40,7 +40,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : EX_USAGE;
   }
-  const auto loaded = mbgate::sim::load_settings(path);
+  const auto loaded = mbgate::sim::load_settings(mbgate::config::read_text_file(path));
   std::cerr << mbgate::config::render(loaded.diagnostics);
   if (!loaded.settings) {
     return EX_CONFIG;

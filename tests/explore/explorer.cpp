@@ -20,54 +20,51 @@ Digest with(const Digest& state, const Slack& slack) {
 }  // namespace
 
 Findings Explorer::run() {
-  auto world = again();
-  enter(*world);
+  {
+    const Allocating in_arena(Allocating::Where::in_arena);
+    world_ = std::make_unique<World>(plant_, bounds_);
+  }
+  enter();
   while (!steps_.empty()) {
-    Step& step = steps_.back();
-    if (step.next == step.choices.size()) {
+    if (steps_.back().next == steps_.back().choices.size()) {
       steps_.pop_back();
       if (!path_.empty()) {
         path_.pop_back();
       }
-      world.reset();
-      continue;
-    }
-    if (!world) {
-      world = again();
-    }
-    if (!go_down(*world)) {
+    } else if (!go_down()) {
       path_.pop_back();
-      world.reset();
     }
   }
+  world_.reset();
   findings_.memory = known_.bytes();
   return std::move(findings_);
 }
 
-std::unique_ptr<World> Explorer::again() const {
-  auto world = std::make_unique<World>(plant_, bounds_);
-  for (std::size_t at = 0; at < path_.size(); ++at) {
-    world->take(steps_[at].choices[path_[at]]);
+// Makes a choice in the state of the last step.
+void Explorer::take(Step& step, const Choice& choice) {
+  if (step.is_left) {
+    put_back(step.arena);
   }
-  return world;
+  step.is_left = true;
+  const Allocating in_arena(Allocating::Where::in_arena);
+  world_->take(choice);
 }
 
 // False: nothing new is there.
-bool Explorer::go_down(World& world) {
+bool Explorer::go_down() {
   Step& step = steps_.back();
   path_.push_back(step.next++);
-  const unsigned before = world.learning();
-  world.take(step.choices[path_.back()]);
-  if (world.is_beyond()) {
+  take(step, step.choices[path_.back()]);
+  if (world_->is_beyond()) {
     return false;
   }
   ++findings_.transitions;
-  findings_.learning += world.learning() - before;
-  if (!world.violation().empty()) {
-    note_violation(world.violation());
+  findings_.learning += world_->learning() - step.learning;
+  if (!world_->violation().empty()) {
+    note_violation(world_->violation());
     return false;
   }
-  return enter(world);
+  return enter();
 }
 
 // The bit of a slack. Each of faults and delays may be all that is allowed, or less.
@@ -88,27 +85,52 @@ SlackSet Explorer::covering(const Slack& slack) const {
   return all;
 }
 
-bool Explorer::enter(World& world) {
-  if (merging_ != Merging::off) {
-    const Digest state = world.digest();
-    const bool is_new = known_.add(state, bit(world.slack()), covering(world.slack()));
-    if (merging_ == Merging::compared) {
-      compare(with(state, world.slack()), world);
-    }
-    if (!is_new) {
-      ++findings_.merged;
-      return false;
-    }
+Explorer::Step Explorer::here() {
+  Step step{.learning = world_->learning()};
+  {
+    const Allocating in_arena(Allocating::Where::in_arena);
+    const std::vector<Choice> choices = world_->choices();
+    const Allocating elsewhere(Allocating::Where::elsewhere);
+    step.choices = choices;
   }
-  ++findings_.states;
-  steps_.push_back({world.choices()});
-  if (!world.violation().empty()) {
-    note_violation(world.violation());
-    steps_.back().choices.clear();
+  if (!world_->violation().empty()) {
+    step.choices.clear();
   }
-  findings_.ends += steps_.back().choices.empty() ? 1U : 0U;
-  findings_.deepest = std::max(findings_.deepest, path_.size());
-  return true;
+  if (step.choices.size() > 1 || merging_ == Merging::compared) {
+    copy_arena(step.arena);
+  }
+  return step;
+}
+
+Digest Explorer::digest() {
+  const Allocating in_arena(Allocating::Where::in_arena);
+  return world_->digest();
+}
+
+bool Explorer::enter() {
+  const Digest state = digest();
+  const bool is_new = merging_ == Merging::off ||
+                      known_.add(state, bit(world_->slack()), covering(world_->slack()));
+  findings_.merged += is_new ? 0U : 1U;
+  if (!is_new && merging_ != Merging::compared) {
+    return false;
+  }
+  Step step = here();
+  if (is_new) {
+    ++findings_.states;
+    if (!world_->violation().empty()) {
+      note_violation(world_->violation());
+    }
+    findings_.ends += step.choices.empty() ? 1U : 0U;
+    findings_.deepest = std::max(findings_.deepest, path_.size());
+  }
+  if (merging_ == Merging::compared) {
+    compare(with(state, world_->slack()), step);
+  }
+  if (is_new) {
+    steps_.push_back(std::move(step));
+  }
+  return is_new;
 }
 
 void Explorer::note_violation(const std::string& what) {
@@ -122,30 +144,28 @@ void Explorer::note_violation(const std::string& what) {
 }
 
 // What may happen in a state, and what comes of each of it.
-Digest Explorer::behaviour_of(World& world) const {
-  const std::vector<Choice> choices = world.choices();
+Digest Explorer::behaviour_of(Step& step) {
   StateHash hash{Instant{}};
-  for (const Choice& choice : choices) {
-    const auto next = again();
-    next->take(choice);
-    if (next->is_beyond()) {
+  for (const Choice& choice : step.choices) {
+    take(step, choice);
+    if (world_->is_beyond()) {
       continue;
     }
     hash.add(choice.act);
     hash.add(choice.ask.client);
     hash.add(choice.ask.device);
     hash.add(choice.ask.word);
-    for (const Digest& part : {next->seen(), with(next->digest(), next->slack())}) {
+    for (const Digest& part : {world_->seen(), with(digest(), world_->slack())}) {
       hash.add(part.first);
       hash.add(part.second);
     }
-    hash.add(next->violation().size());
+    hash.add(world_->violation().size());
   }
   return hash.digest();
 }
 
-void Explorer::compare(const Digest& state, World& world) {
-  const Digest behaviour = behaviour_of(world);
+void Explorer::compare(const Digest& state, Step& step) {
+  const Digest behaviour = behaviour_of(step);
   const auto [known, added] = behaviours_.try_emplace(state, behaviour);
   if (!added && known->second != behaviour) {
     note_violation("merging: a state behaves otherwise than when it was reached first");

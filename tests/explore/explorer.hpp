@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Goes through all that may happen in a small world within its bounds, depth first. Where it comes
-// to a state that it knows, it turns back. A gateway cannot be copied: to go back, it begins anew
-// and makes the same choices again.
+// to a state that it knows, it turns back. A gateway cannot be copied: to go back, the memory in
+// which it lies is made what it was (arena.hpp).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "explore/arena.hpp"
 #include "explore/known_states.hpp"
 #include "explore/world.hpp"
 
@@ -49,24 +51,30 @@ class Explorer {
  private:
   /// A state on the way to the present one.
   struct Step {
-    std::vector<Choice> choices;
+    std::vector<Choice> choices{};
     std::uint16_t next = 0;
+    unsigned learning = 0;
+    std::vector<std::byte> arena{};  ///< the world; with one choice nobody comes back to it
+    bool is_left = false;
   };
 
-  [[nodiscard]] std::unique_ptr<World> again() const;
-  bool go_down(World& world);
-  bool enter(World& world);
+  void take(Step& step, const Choice& choice);
+  bool go_down();
+  [[nodiscard]] Step here();
+  [[nodiscard]] Digest digest();
+  bool enter();
   [[nodiscard]] SlackSet bit(const Slack& slack) const;
   [[nodiscard]] SlackSet covering(const Slack& slack) const;
   void note_violation(const std::string& what);
-  void compare(const Digest& state, World& world);
-  [[nodiscard]] Digest behaviour_of(World& world) const;
+  void compare(const Digest& state, Step& step);
+  [[nodiscard]] Digest behaviour_of(Step& step);
 
   const Plant& plant_;
   Bounds bounds_;
   Merging merging_;
   KnownStates known_;
   std::map<Digest, Digest> behaviours_;
+  std::unique_ptr<World> world_;  ///< and all that it owns: in the arena
   std::vector<Step> steps_;
   Path path_;
   Findings findings_;

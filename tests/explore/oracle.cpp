@@ -146,7 +146,7 @@ void Oracle::note_damaged(Flight& flight, Instant now) {
 }
 
 // It closes the oldest that it fits. If there is none, it is a second answer for all to see, where
-// it fits what was answered last.
+// it fits what was answered last, and not what is waited for.
 void Oracle::note_frame(Flight& flight, Instant now) {
   Book& book = books_[flight.device];
   book.last_heard = flight.event;
@@ -164,7 +164,7 @@ void Oracle::note_frame(Flight& flight, Instant now) {
   if (open != flights_.end()) {
     hold(*open, now);
   } else if (book.answered && looks_alike(flights_[*book.answered].word, flight.word) &&
-             now <= book.answered_at + timing().response_timeout) {
+             now <= book.answered_at + timing().response_timeout && !is_waited_for(flight)) {
     book.taught = book.taught == 0 ? ++events_ : book.taught;
     book.second_after = std::max(book.second_after, now - book.answered_at);
   }
@@ -219,8 +219,12 @@ void Oracle::note_heard(Flight& flight, Instant now) {
       it.repeats = it.repeats || (it.open && it.taken && it.ask.device == flight.device);
     }
   }
-  // What comes before a request has left answers another one, if only an earlier try.
-  if (!is_waited_for(flight) || (now < running()->left && !is_same_request(flight, *running()))) {
+  // What comes before a request has left answers another one, if only an earlier try: one stop is
+  // as good as another.
+  const auto is_as_good = [&](const Flight& it) {
+    return is_same_request(flight, it) || (flight.word == Word::stop && it.word == Word::stop);
+  };
+  if (!is_waited_for(flight) || (now < running()->left && !is_as_good(*running()))) {
     return;
   }
   const Flight* waited_for = running();

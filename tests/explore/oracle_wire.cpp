@@ -88,7 +88,7 @@ void Oracle::check_hold(const Flight& flight, Instant now) {
     if (owed.device != flight.device) {
       continue;
     }
-    if (book.heard_at < owed.left && now < end_of_tail(owed)) {
+    if (book.heard_at < owed.left && book.answered != owed.serial && now < end_of_tail(owed)) {
       report("hold: transmitted while an answer is owed");
     } else if (owed.open && looks_alike(owed.word, flight.word) && now < book.owes_until) {
       report("hold: transmitted while a slow device may owe more");
@@ -110,8 +110,10 @@ void Oracle::check_stops_first(const Flight& flight, Instant now) {
       continue;
     }
     const Book& book = books_[stop.ask.device];
-    const bool gives_way =
-        (book.stop_unanswered || book.unanswered > 0) && flight.device != stop.ask.device;
+    // A read may come between the tries of a stop to a device that does not answer, and so may
+    // what is for another device.
+    const bool gives_way = (book.stop_unanswered || book.unanswered > 0) &&
+                           (flight.word != Word::write || flight.device != stop.ask.device);
     if (!gives_way) {
       report("stop overtaken");
     }

@@ -175,9 +175,9 @@ void StateReader::read(const bus::Transaction& transaction, Hash& hash) {
 
 // Settings: longest. Addresses without a device are never asked, and no good frame has one.
 void StateReader::read(const bus::DeviceTable& devices, const Sight& sight, Hash& hash) {
-  const auto& [other, known, longest, entries] = devices;
+  const auto& [other, unused, known, longest, entries] = devices;
   for (const drive::Device& device : known) {
-    read(entries.at(device.address), sight, hash);
+    read(*entries.at(device.address), sight, hash);
   }
 }
 

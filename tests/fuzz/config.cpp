@@ -2,8 +2,8 @@
 // Any text as a configuration: settings that a gateway can be made of, or diagnostics.
 #include <string_view>
 
-#include "config/load.hpp"
 #include "fuzz/fuzz.hpp"
+#include "support/config_text.hpp"
 #include "support/gateway_harness.hpp"
 
 namespace mbgate::fuzz::config_target {
@@ -12,7 +12,7 @@ MBGATE_FUZZ_TARGET(config) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   config::ProfileSearch search;
   search.folder = MBGATE_SOURCE_DIR "/tests/config/profiles";
-  auto loaded = config::load_settings_text("fuzz.toml", text, search);
+  auto loaded = test::load_settings_text("fuzz.toml", text, search);
   require(loaded.settings.has_value() != config::has_errors(loaded.diagnostics),
           "settings, or errors that say why not");
   require(config::render(loaded.diagnostics).empty() == loaded.diagnostics.empty(),

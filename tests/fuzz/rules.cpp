@@ -4,10 +4,10 @@
 #include <string>
 #include <string_view>
 
-#include "config/load.hpp"
 #include "fuzz/fuzz.hpp"
 #include "gateway/access/who.hpp"
 #include "modbus/make_request.hpp"
+#include "support/config_text.hpp"
 
 namespace mbgate::fuzz::rules_target {
 namespace {
@@ -49,7 +49,7 @@ MBGATE_FUZZ_TARGET(rules) {
       std::string(kPlant) + std::string(reinterpret_cast<const char*>(data), size);
   config::ProfileSearch search;
   search.folder = MBGATE_SOURCE_DIR "/tests/config/profiles";
-  const auto loaded = config::load_settings_text("fuzz.toml", text, search);
+  const auto loaded = test::load_settings_text("fuzz.toml", text, search);
   require(loaded.settings.has_value() != config::has_errors(loaded.diagnostics),
           "settings, or errors that say why not");
   if (!loaded.settings || loaded.settings->listeners.size() > 4) {

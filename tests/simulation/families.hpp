@@ -90,8 +90,8 @@ class Families : public testing::Test {
     devices_.emplace_back();
   }
   void add(const std::string& profile, std::uint32_t bus, const sim::DeviceSettings& simulated) {
-    auto loaded =
-        config::load_profile(std::string(MBGATE_SOURCE_DIR "/conf/profiles/") + profile + ".toml");
+    auto loaded = config::load_profile(config::read_text_file(
+        std::string(MBGATE_SOURCE_DIR "/conf/profiles/") + profile + ".toml"));
     drive::Device device;
     device.name = profile;
     device.bus = BusId{bus};

@@ -37,7 +37,16 @@ void DeviceEntry::forget_shown() {
 }
 
 DeviceTable::DeviceTable(const BusSettings& settings, std::span<const drive::Device> devices) {
+  unused_.device = &other_;
   update(settings, devices);
+}
+
+DeviceEntry& DeviceTable::operator[](std::uint8_t address) {
+  std::unique_ptr<DeviceEntry>& entry = entries_.at(address);
+  if (!entry) {
+    entry = std::make_unique<DeviceEntry>(unused_);
+  }
+  return *entry;
 }
 
 Addresses DeviceTable::update(const BusSettings& settings, std::span<const drive::Device> devices) {
@@ -48,20 +57,20 @@ Addresses DeviceTable::update(const BusSettings& settings, std::span<const drive
   longest_transaction_ = bus::longest_transaction(settings, devices);
   Addresses others;
   for (std::size_t address = 0; address < kAddresses; ++address) {
-    DeviceEntry& entry = entries_.at(address);
-    entry.device = &other_;
-    entry.early_reported = false;
-    entry.second_reported = false;
-    entry.misfit_reported = entry.pause_reported = false;
-    if (names.at(address) != before.at(address)) {
-      others.set(address);
-      entry.forget_shown();
-    } else if (names.at(address).empty()) {
-      entry.asked_at = Instant::min();  // perhaps nothing leads there any more
+    others[address] = names.at(address) != before.at(address);
+    if (DeviceEntry* entry = entries_.at(address).get()) {
+      entry->device = &other_;
+      entry->early_reported = entry->second_reported = false;
+      entry->misfit_reported = entry->pause_reported = false;
+      if (others[address]) {
+        entry->forget_shown();
+      } else if (names.at(address).empty()) {
+        entry->asked_at = Instant::min();  // perhaps nothing leads there any more
+      }
     }
   }
   for (const drive::Device& device : devices_) {
-    entries_.at(device.address).device = &device;
+    (*this)[device.address].device = &device;
   }
   forget_what_was_read();
   return others;
@@ -70,7 +79,7 @@ Addresses DeviceTable::update(const BusSettings& settings, std::span<const drive
 bool DeviceTable::is_stop(std::uint8_t address, const modbus::Request& request,
                           std::optional<drive::BroadcastForm> broadcast) const {
   if (!broadcast) {
-    return entries_.at(address).device->is_stop(request);
+    return (*this)[address].device->is_stop(request);
   }
   return std::ranges::any_of(devices_, [&](const drive::Device& device) {
     return device.is_addressed_by(address, broadcast) && device.is_stop(request);
@@ -81,7 +90,7 @@ void DeviceTable::hold_booting(const Transaction& broadcast, Instant now) {
   for (const drive::Device& device : devices_) {
     const auto boot_time = device.silent_after(broadcast.request);
     if (device.is_addressed_by(broadcast.address, broadcast.broadcast)) {
-      entries_.at(device.address).hold_booting(boot_time, now);
+      (*this)[device.address].hold_booting(boot_time, now);
     }
   }
 }
@@ -89,8 +98,8 @@ void DeviceTable::hold_booting(const Transaction& broadcast, Instant now) {
 void DeviceTable::note_written(const Transaction& broadcast) {
   for (const drive::Device& device : devices_) {
     if (device.is_addressed_by(broadcast.address, broadcast.broadcast)) {
-      entries_.at(device.address)
-          .hold.note_written(broadcast.request, device.is_stop(broadcast.request));
+      (*this)[device.address].hold.note_written(broadcast.request,
+                                                device.is_stop(broadcast.request));
     }
   }
 }
@@ -102,14 +111,14 @@ void DeviceTable::note_reconfiguring(const Transaction& transaction) {
   for (const drive::Device& device : devices_) {
     const bool heard = transaction.is_broadcast() || device.address == transaction.address;
     if (heard && device.is_reconfigured_by(transaction.request)) {
-      entries_.at(device.address).setting_known = false;
-      entries_.at(device.address).setting.reset();
+      (*this)[device.address].setting_known = false;
+      (*this)[device.address].setting.reset();
     }
   }
 }
 
 void DeviceTable::forget_what_was_read() {
-  for (DeviceEntry& entry : entries_) {
+  for (DeviceEntry& entry : entries()) {
     entry.setting_known = false;
     entry.setting.reset();
     entry.cache.clear();
@@ -118,29 +127,34 @@ void DeviceTable::forget_what_was_read() {
 
 void DeviceTable::begin_write(const Job& write) {
   if (!write.is_broadcast()) {
-    entries_.at(write.address()).cache.begin_write();
+    (*this)[write.address()].cache.begin_write();
     return;
   }
-  std::ranges::for_each(entries_, [](DeviceEntry& entry) { entry.cache.begin_write(); });
+  unused_.cache.begin_write();
+  std::ranges::for_each(entries(), [](DeviceEntry& entry) { entry.cache.begin_write(); });
 }
 
 void DeviceTable::end_write(const Job& write) {
   if (!write.is_broadcast()) {
-    entries_.at(write.address()).cache.end_write();
+    (*this)[write.address()].cache.end_write();
     return;
   }
-  std::ranges::for_each(entries_, [](DeviceEntry& entry) { entry.cache.end_write(); });
+  unused_.cache.end_write();
+  std::ranges::for_each(entries(), [](DeviceEntry& entry) { entry.cache.end_write(); });
 }
 
 void DeviceTable::take_over(DeviceTable& before) {
-  for (std::size_t address = 0; address < kAddresses; ++address) {
-    entries_.at(address).hold = std::move(before.entries_.at(address).hold);
-    entries_.at(address).free_at = before.entries_.at(address).free_at;
+  for (std::size_t number = 0; number < kAddresses; ++number) {
+    if (before.entries_.at(number)) {
+      const auto address = static_cast<std::uint8_t>(number);
+      (*this)[address].hold = std::move(before[address].hold);
+      (*this)[address].free_at = before[address].free_at;
+    }
   }
 }
 
 void DeviceTable::clear_counters() {
-  for (DeviceEntry& entry : entries_) {
+  for (DeviceEntry& entry : entries()) {
     entry.counters = {};
     entry.times = {};
   }

@@ -14,7 +14,9 @@
 #include <array>
 #include <bitset>
 #include <limits>
+#include <memory>
 #include <optional>
+#include <ranges>
 #include <span>
 #include <vector>
 
@@ -120,13 +122,17 @@ class DeviceTable {
   /// New devices, or new settings of them. What is known of their addresses is kept, but not what
   /// is shown of those that have a device of another name now, or none any more. Returns these.
   Addresses update(const BusSettings& settings, std::span<const drive::Device> devices);
-  [[nodiscard]] DeviceEntry& operator[](std::uint8_t address) { return entries_.at(address); }
+  [[nodiscard]] DeviceEntry& operator[](std::uint8_t address);
   [[nodiscard]] const DeviceEntry& operator[](std::uint8_t address) const {
-    return entries_.at(address);
+    const auto& entry = entries_.at(address);
+    return entry ? *entry : unused_;
   }
   [[nodiscard]] std::span<const drive::Device> devices() const { return devices_; }
-  [[nodiscard]] std::span<const DeviceEntry> entries() const { return entries_; }
-  [[nodiscard]] std::span<DeviceEntry> entries() { return entries_; }
+  /// Those of the devices, and of every other address that was ever used.
+  [[nodiscard]] auto entries() const {
+    return entries_ | std::views::filter([](const auto& entry) { return entry != nullptr; }) |
+           std::views::transform([](const auto& entry) -> DeviceEntry& { return *entry; });
+  }
   [[nodiscard]] Duration longest_transaction() const { return longest_transaction_; }
   /// Is the request a stop for the device at the address, or for a device that hears the broadcast?
   [[nodiscard]] bool is_stop(std::uint8_t address, const modbus::Request& request,
@@ -150,9 +156,10 @@ class DeviceTable {
 
  private:
   drive::Device other_;
+  DeviceEntry unused_;  // what an address begins with: broadcasts are writes to it too
   std::vector<drive::Device> devices_;
   Duration longest_transaction_{0};
-  std::array<DeviceEntry, kAddresses> entries_{};
+  std::array<std::unique_ptr<DeviceEntry>, kAddresses> entries_{};
 };
 
 }  // namespace mbgate::bus

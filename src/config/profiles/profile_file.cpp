@@ -282,12 +282,6 @@ std::string ProfileFile::number(modbus::Table table, std::uint32_t address) cons
   return first != 0 ? std::to_string(first + address) : fmt::format("0x{:04X}", address);
 }
 
-LoadedProfile load_profile(const std::filesystem::path& path) {
-  return read(TomlDocument::load(path));
-}
-
-LoadedProfile load_profile(const TextFile& file) {
-  return read(TomlDocument::parse(std::vector{file}));
-}
+LoadedProfile load_profile(const TextFile& file) { return read(TomlDocument::parse({file})); }
 
 }  // namespace mbgate::config

@@ -75,9 +75,6 @@ struct LoadedProfile {
 };
 
 /// Reads a file; `name` in it must be the name of the file without ".toml".
-LoadedProfile load_profile(const std::filesystem::path& path);
-
-/// The same for a file that was read before.
 LoadedProfile load_profile(const TextFile& file);
 
 }  // namespace mbgate::config

@@ -26,14 +26,6 @@ bool is_list_of_tables(const TomlValue& value) {
 
 }  // namespace
 
-TomlDocument TomlDocument::load(const std::filesystem::path& path) {
-  return parse(std::vector{read_text_file(path)});
-}
-
-TomlDocument TomlDocument::parse(std::string name, std::string_view text) {
-  return parse(std::vector{TextFile{std::move(name), std::string(text)}});
-}
-
 TomlDocument TomlDocument::parse(const std::vector<TextFile>& files) {
   TomlDocument document;
   std::vector<TomlTableValue> roots;

@@ -5,7 +5,7 @@
 // a table before that. Nothing here throws: an error becomes a diagnostic, and the caller gets
 // nothing.
 //
-//   auto document = TomlDocument::load("conf/x.toml");
+//   auto document = TomlDocument::parse({read_text_file("conf/x.toml")});
 //   for (TomlTable bus : document.root().tables("bus")) {
 //     bus.require("name");
 //     assign(settings.name, bus.string("name"));
@@ -144,13 +144,10 @@ class TomlTable {
 /// One file, or several that are read as one. Neither copied nor moved while views of it exist.
 class TomlDocument {
  public:
-  /// Reads a file of at most 1 MiB. A file that cannot be read, or is not TOML, gives an empty
-  /// document with a diagnostic.
-  static TomlDocument load(const std::filesystem::path& path);
-  /// `name` is the file name in the diagnostics.
-  static TomlDocument parse(std::string name, std::string_view text);
-  /// Several files, at least one. Lists of tables, `[[key]]`, are put together in the order of the
-  /// files; the keys of a table `[key]` may stand in several. What is said twice is an error.
+  /// Reads at least one file, each of at most 1 MiB. A file that could not be read, or is not TOML,
+  /// gives an empty document with a diagnostic. Lists of tables, `[[key]]`, are put together in the
+  /// order of the files; the keys of a table `[key]` may stand in several. What is said twice is an
+  /// error.
   static TomlDocument parse(const std::vector<TextFile>& files);
 
   /// The name of the file that a place is in.

@@ -146,7 +146,7 @@ int show(const config::ProfileFile& file, bool as_json, std::ostream& out) {
 }
 
 int show_file(const ProfileCommand& command, std::ostream& out, std::ostream& errors) {
-  const auto loaded = config::load_profile(command.which);
+  const auto loaded = config::load_profile(config::read_text_file(command.which));
   errors << config::render(loaded.diagnostics);
   return loaded.file ? show(*loaded.file, command.json, out) : kExitNotDone;
 }

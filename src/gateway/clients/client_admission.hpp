@@ -14,17 +14,15 @@
 #include "gateway/limits.hpp"
 #include "gateway/settings/settings_snapshot.hpp"
 #include "gateway/writes/failsafe_writes.hpp"
-#include "gateway/writes/write_rules.hpp"
 
 namespace mbgate::gateway {
 
 class ClientAdmission {
  public:
-  ClientAdmission(const SettingsHistory& settings, Exchanges& exchanges, WriteRules& rules,
-                  FailsafeWrites& failsafe, Sessions& sessions, ActionQueue& actions)
+  ClientAdmission(const SettingsHistory& settings, Exchanges& exchanges, FailsafeWrites& failsafe,
+                  Sessions& sessions, ActionQueue& actions)
       : settings_(settings),
         exchanges_(exchanges),
-        rules_(rules),
         failsafe_(failsafe),
         sessions_(sessions),
         actions_(actions) {}
@@ -53,7 +51,6 @@ class ClientAdmission {
 
   const SettingsHistory& settings_;
   Exchanges& exchanges_;
-  WriteRules& rules_;
   FailsafeWrites& failsafe_;
   Sessions& sessions_;
   ActionQueue& actions_;

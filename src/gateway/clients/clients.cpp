@@ -11,12 +11,12 @@ Clients::Clients(const SettingsHistory& settings, BusSet& buses, Exchanges& exch
       actions_(actions),
       sessions_(settings.settings()),
       intake_(settings, rules, actions),
-      door_(settings, exchanges, rules, failsafe, sessions_, actions),
+      admission_(settings, exchanges, failsafe, sessions_, actions),
       requests_(settings, buses, exchanges, rules, failsafe, sessions_, intake_, trace, actions,
                 now) {}
 
 void Clients::handle(const ClientConnected& input, Instant now) {
-  door_.connected(input.client, input.info, intake_.phase(), now);
+  admission_.connected(input.client, input.info, intake_.phase(), now);
 }
 
 void Clients::handle(const ClientBytes& input, Instant now) {
@@ -63,7 +63,7 @@ void Clients::handle(const ClientDisconnected& input, Instant now) {
       session->input.append(input.bytes, now, now);
     }
     leave(*session, now);
-    door_.forget(*session, now);
+    admission_.forget(*session, now);
   }
 }
 
@@ -78,9 +78,9 @@ void Clients::handle_deadline(Instant now) {
       case ClientSession::Overdue::within_request:
         actions_.push(
             Report{ClientFrameTimedOut{session->info().listener, session->info().address}});
-        door_.close(*session, now);
+        admission_.close(*session, now);
         break;
-      case ClientSession::Overdue::idle: door_.close(*session, now); break;
+      case ClientSession::Overdue::idle: admission_.close(*session, now); break;
       case ClientSession::Overdue::nothing: set_timer(*session, now); break;
     }
   }
@@ -108,8 +108,9 @@ void Clients::serve(ClientSession& session, Instant now) {
   Intake::Front front = intake_.front(session);
   for (; front.frame; front = intake_.front(session)) {
     Request& request = intake_.take(session, *front.frame, now);
-    const bool may_ask = request.is_stop || intake_.phase() != Phase::running ||
-                         (door_.may_ask(session, now) && exchanges_.open_count() < kRequestsOfAll);
+    const bool may_ask =
+        request.is_stop || intake_.phase() != Phase::running ||
+        (admission_.may_ask(session, now) && exchanges_.open_count() < kRequestsOfAll);
     if (!may_ask && !request.refused) {
       request.for_gateway = false;
       request.refused = modbus::ExceptionCode::server_device_busy;
@@ -117,7 +118,7 @@ void Clients::serve(ClientSession& session, Instant now) {
     requests_.accept(session, request, now);
   }
   if (front.framing_lost || session.is_finished()) {
-    door_.close(session, now);
+    admission_.close(session, now);
     return;
   }
   if (const auto reading = session.update_reading(now)) {
@@ -139,7 +140,7 @@ void Clients::set_timer(ClientSession& session, Instant now) {
 // The stops that it has sent are still taken.
 void Clients::leave(ClientSession& session, Instant now) {
   session.is_leaving = true;
-  door_.drop_requests(session);  // before a stop sets the bus going
+  admission_.drop_requests(session);  // before a stop sets the bus going
   while (Request* stop = intake_.take_stop(session, now)) {
     requests_.accept(session, *stop, now);
   }
@@ -162,7 +163,7 @@ void Clients::close_unwanted(const Settings& next, Instant now) {
       actions_.push(Report{ClientRefused{number, address, reason}});
     }
     leave(session, now);
-    door_.close(session, now);
+    admission_.close(session, now);
   });
 }
 

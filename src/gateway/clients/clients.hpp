@@ -63,7 +63,7 @@ class Clients {
   ActionQueue& actions_;
   Sessions sessions_;
   Intake intake_;
-  ClientAdmission door_;
+  ClientAdmission admission_;
   Requests requests_;
 };
 

@@ -267,10 +267,6 @@ Loaded read(TomlDocument document) {
 
 }  // namespace
 
-Loaded load_settings(const std::filesystem::path& path) { return read(TomlDocument::load(path)); }
-
-Loaded load_settings_text(std::string name, std::string_view text) {
-  return read(TomlDocument::parse(std::move(name), text));
-}
+Loaded load_settings(const config::TextFile& file) { return read(TomlDocument::parse({file})); }
 
 }  // namespace mbgate::sim

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "config/diagnostic.hpp"
+#include "config/text_file.hpp"
 #include "sim/program/tcp_port.hpp"
 #include "sim/wire/wire.hpp"
 
@@ -43,10 +44,7 @@ struct Loaded {
   std::vector<config::Diagnostic> diagnostics;
 };
 
-/// Reads the simulator's configuration; a file that cannot be read is a diagnostic too.
-Loaded load_settings(const std::filesystem::path& path);
-
-/// The same for a text; `name` is the file name in the diagnostics.
-Loaded load_settings_text(std::string name, std::string_view text);
+/// Reads the simulator's configuration; a file that could not be read is a diagnostic too.
+Loaded load_settings(const config::TextFile& file);
 
 }  // namespace mbgate::sim

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "app/command_line.hpp"
-#include "config/load.hpp"
+#include "support/config_text.hpp"
 
 namespace mbgate::app {
 namespace {
@@ -12,7 +12,7 @@ const std::vector<std::string> kNobodyElse;
 const ListenAddress kLocal = *parse_listen("127.0.0.1:1502", kNobodyElse);
 
 config::Loaded load_serial(const SerialOptions& options) {
-  return config::load_settings_text("--serial", serial_config(options));
+  return test::load_settings_text("--serial", serial_config(options));
 }
 
 std::string listen_text(const Result<ListenAddress, std::string>& listen) {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "config/diagnostic.hpp"
-#include "config/load.hpp"
+#include "support/config_text.hpp"
 
 namespace mbgate::config {
 namespace {
@@ -46,7 +46,7 @@ device = "y"
 )";
 
 TEST(KeyPlaces, AreThoseOfTheKeysBesideTheSettings) {
-  const auto loaded = load_settings_text("x.toml", kPlaced);
+  const auto loaded = test::load_settings_text("x.toml", kPlaced);
   ASSERT_TRUE(loaded.settings) << render(loaded.diagnostics);
   const KeyPlaces& places = loaded.places;
   ASSERT_EQ(places.listeners.size(), 2U);
@@ -63,7 +63,7 @@ TEST(KeyPlaces, AreThoseOfTheKeysBesideTheSettings) {
 }
 
 TEST(KeyPlaces, AreNoneOfWhatIsWrong) {
-  const auto loaded = load_settings_text("x.toml", std::string(kPlaced) + "deadline = 5\n");
+  const auto loaded = test::load_settings_text("x.toml", std::string(kPlaced) + "deadline = 5\n");
   EXPECT_FALSE(loaded.settings);
   EXPECT_TRUE(loaded.places.listeners.empty());
 }

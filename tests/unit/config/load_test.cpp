@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every file in tests/config: valid ones give settings, with the warnings of the file beside it, if
 // there is one; invalid ones give exactly the text beside them and no settings.
-#include "config/load.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,6 +8,8 @@
 #include <fstream>
 #include <set>
 #include <sstream>
+
+#include "support/config_text.hpp"
 
 namespace mbgate::config::load_test {
 namespace {
@@ -44,8 +45,8 @@ std::string case_name(const testing::TestParamInfo<fs::path>& info) {
 /// The diagnostics name the file without its folder, so that the expected texts hold in every
 /// checkout.
 Loaded load(const fs::path& path) {
-  return load_settings_text(path.filename().string(), text_of(path),
-                            {.otherwise = {kFolder / "profiles"}});
+  return test::load_settings_text(path.filename().string(), text_of(path),
+                                  {.otherwise = {kFolder / "profiles"}});
 }
 
 fs::path expected_of(fs::path path) { return path.replace_extension(".expected"); }
@@ -85,7 +86,7 @@ TEST(LoadSettings, NamesTheFileAsItWasGiven) {
 }
 
 TEST(LoadSettings, TakesOneAddressOfHttpWithoutAList) {
-  const auto loaded = load_settings_text(
+  const auto loaded = test::load_settings_text(
       "x.toml", text_of(kFolder / "valid/minimal.toml") + "[http]\nlisten = \"[::1]:8080\"\n");
   EXPECT_EQ(render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
@@ -168,8 +169,8 @@ TEST(LoadSettings, FillsListenersAndBuses) {
 
 TEST(LoadSettings, FillsCertificatesAndListenersThatUseThem) {
   const auto loaded =
-      load_settings_text("/etc/mbgate/mbgate.toml", text_of(kFolder / "valid/every-key.toml"),
-                         {.otherwise = {kFolder / "profiles"}});
+      test::load_settings_text("/etc/mbgate/mbgate.toml", text_of(kFolder / "valid/every-key.toml"),
+                               {.otherwise = {kFolder / "profiles"}});
   ASSERT_TRUE(loaded.settings);
   EXPECT_EQ(loaded.settings->signer, "/run/other/signer");
   EXPECT_THAT(loaded.settings->tls,

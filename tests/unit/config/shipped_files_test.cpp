@@ -8,7 +8,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "config/load.hpp"
+#include "support/config_text.hpp"
 
 namespace mbgate::config::shipped_files_test {
 namespace {
@@ -50,7 +50,7 @@ TEST(InstalledFile, ConfiguresNothingAndHasAnExampleThatLoads) {
   for (std::string line; std::getline(lines, line);) {
     text += is_commented_setting(line) ? line.substr(2) + "\n" : line + "\n";
   }
-  const auto loaded = load_settings_text("mbgate.toml", text);
+  const auto loaded = test::load_settings_text("mbgate.toml", text);
   EXPECT_EQ(render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
   EXPECT_EQ(loaded.settings->listeners.size(), 1U);
@@ -64,7 +64,7 @@ TEST(Readme, HasACompleteConfiguration) {
   const auto start = text.find(fence);
   ASSERT_NE(start, std::string::npos);
   const auto rest = text.substr(start + fence.size());
-  const auto loaded = load_settings_text("README.md", rest.substr(0, rest.find("```")));
+  const auto loaded = test::load_settings_text("README.md", rest.substr(0, rest.find("```")));
   EXPECT_EQ(render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
   EXPECT_EQ(loaded.settings->listeners.size(), 1U);
@@ -77,7 +77,7 @@ TEST(AccessRulesPage, HasRulesThatLoad) {
   const auto start = page.find(fence);
   ASSERT_NE(start, std::string::npos);
   const auto rest = page.substr(start + fence.size());
-  const auto loaded = load_settings_text(
+  const auto loaded = test::load_settings_text(
       kFolder + "mbgate.toml", text_of(kFolder + "mbgate.toml") + rest.substr(0, rest.find("```")));
   EXPECT_EQ(render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
@@ -98,7 +98,7 @@ TEST(CompleteFile, LoadsWithEveryCommentedKeyToo) {
                                          : line + "\n";
   }
   EXPECT_EQ(commented, 96);
-  const auto loaded = load_settings_text(kFolder + "mbgate.toml", text);
+  const auto loaded = test::load_settings_text(kFolder + "mbgate.toml", text);
   EXPECT_EQ(render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
   EXPECT_EQ(loaded.settings->routes.size(), 7U);

@@ -85,6 +85,24 @@ TEST_F(BusCache, IsFilledAgainWhenTheWriteOrTheBroadcastHasEnded) {
   }
 }
 
+// The broadcast, of which the new device has seen the end alone, counts as none of its writes.
+TEST_F(BusCache, OfADeviceThatIsAddedDuringABroadcastHoldsNothingFromBeforeALaterWrite) {
+  open_with_cache();
+  submit(job("06 0000 0001", 0));
+  drive::Device added{"added", {}, 2, settings().timing};
+  added.cache = 1s;
+  update(settings(), {added});
+  advance(150ms);
+  submit(job(kRead, 2));
+  submit(job("06 0000 0001", 2));
+  line("02 03 02 12 34 F1 33");
+  advance(10ms);
+  ASSERT_THAT(frames_, SizeIs(3));
+  bus::Job& meanwhile = job_of(1, kRead, 2);
+  submit(meanwhile);
+  EXPECT_TRUE(meanwhile.is_waiting());
+}
+
 TEST_F(BusCache, ATimeoutEmptiesIt) {
   open_with_cache();
   read();

@@ -96,7 +96,7 @@ TEST(Keys, AreListedOnce) {
 }
 
 TEST(Keys, OfAKindOfLineThatIsUnknownBelongEverywhere) {
-  auto document = TomlDocument::parse("x.toml", "baud = 9600\noutstanding = 4\n");
+  auto document = TomlDocument::parse({TextFile{"x.toml", "baud = 9600\noutstanding = 4\n"}});
   auto table = document.root();
   bus::BusSettings settings;
   read_keys(table, bus_keys(), settings);
@@ -105,7 +105,8 @@ TEST(Keys, OfAKindOfLineThatIsUnknownBelongEverywhere) {
 }
 
 TEST(Keys, TellWhereTheyBelong) {
-  auto document = TomlDocument::parse("x.toml", "outstanding = 4\nidle_probe = \"4s\"\n");
+  auto document =
+      TomlDocument::parse({TextFile{"x.toml", "outstanding = 4\nidle_probe = \"4s\"\n"}});
   auto table = document.root();
   bus::BusSettings settings;
   read_keys(table, bus_keys(), settings, Lines::remote_rtu);

@@ -57,7 +57,7 @@ INSTANTIATE_TEST_SUITE_P(Files, InvalidProfile, testing::ValuesIn(cases()), case
 TEST(InvalidProfiles, AreAllThere) { EXPECT_GE(cases().size(), 9U); }
 
 ProfileFile file_of(const std::string& name) {
-  const auto loaded = load_profile(kFolder / "profiles" / (name + ".toml"));
+  const auto loaded = load_profile(read_text_file(kFolder / "profiles" / (name + ".toml")));
   EXPECT_EQ(render(loaded.diagnostics), "");
   return loaded.file.value_or(ProfileFile());
 }
@@ -177,7 +177,7 @@ holding = 40001
 }
 
 TEST(ProfileFile, ThatIsNotThereIsReported) {
-  const auto loaded = load_profile("no-such-folder/x.toml");
+  const auto loaded = load_profile(read_text_file("no-such-folder/x.toml"));
   EXPECT_EQ(render(loaded.diagnostics),
             "no-such-folder/x.toml: error: cannot be read: No such file or directory\n");
   EXPECT_FALSE(loaded.file);

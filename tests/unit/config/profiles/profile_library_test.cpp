@@ -7,7 +7,7 @@
 
 #include <fstream>
 
-#include "config/load.hpp"
+#include "support/config_text.hpp"
 
 namespace mbgate::config {
 namespace {
@@ -117,7 +117,7 @@ std::string with_profile(const std::string& name) {
 TEST(LoadSettings, FindsProfilesBesideTheConfiguration) {
   const auto path = (kSource / "tests/config/valid/x.toml").string();
   const auto text = with_profile("fixed") + "profiles = \"../profiles\"\n";
-  const auto loaded = load_settings_text(path, text, {.otherwise = {kInvalid}});
+  const auto loaded = test::load_settings_text(path, text, {.otherwise = {kInvalid}});
   EXPECT_EQ(render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
   EXPECT_EQ(loaded.settings->devices[1].profile.name, "fixed");
@@ -126,14 +126,14 @@ TEST(LoadSettings, FindsProfilesBesideTheConfiguration) {
 TEST(LoadSettings, PrefersTheFolderOfTheCommandLine) {
   const auto text = with_profile("fixed") + "profiles = \"" + kInvalid.string() + "\"\n";
   const auto loaded =
-      load_settings_text("x.toml", text, {.folder = kProfiles, .otherwise = {kInvalid}});
+      test::load_settings_text("x.toml", text, {.folder = kProfiles, .otherwise = {kInvalid}});
   EXPECT_EQ(render(loaded.diagnostics), "");
   EXPECT_TRUE(loaded.settings);
 }
 
 TEST(LoadSettings, ReportsAWrongProfileOnceWithItsOwnFile) {
   const auto loaded =
-      load_settings_text("x.toml", with_profile("wrong"), {.otherwise = {kProfiles}});
+      test::load_settings_text("x.toml", with_profile("wrong"), {.otherwise = {kProfiles}});
   ASSERT_EQ(loaded.diagnostics.size(), 1U);
   EXPECT_EQ(loaded.diagnostics[0].file, (kProfiles / "wrong.toml").string());
   EXPECT_FALSE(loaded.settings);

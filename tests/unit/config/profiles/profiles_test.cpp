@@ -34,7 +34,7 @@ TEST(Profiles, AreAllThere) {
 class Profile : public testing::TestWithParam<std::string> {
  public:
   void SetUp() override {
-    const auto loaded = load_profile(kFolder / (GetParam() + ".toml"));
+    const auto loaded = load_profile(read_text_file(kFolder / (GetParam() + ".toml")));
     ASSERT_EQ(render(loaded.diagnostics), "");
     file = loaded.file;
     ASSERT_TRUE(file);

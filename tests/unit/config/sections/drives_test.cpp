@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "config/load.hpp"
+#include "support/config_text.hpp"
 
 namespace mbgate::config {
 namespace {
@@ -136,7 +136,7 @@ std::string server_with(const std::string& keys, const std::string& address) {
 
 TEST(ModbusTcpServers, AreOneDeviceUnderEveryUnitIfItsAddressIsTheDefault) {
   const auto check = [](const std::string& keys, const std::string& address) {
-    const auto loaded = load_settings_text("x.toml", server_with(keys, address));
+    const auto loaded = test::load_settings_text("x.toml", server_with(keys, address));
     return loaded.settings ? check_summary(*loaded.settings) : render(loaded.diagnostics);
   };
   const auto every = testing::HasSubstr("\nbus cell: every unit is device axis\n");
@@ -153,7 +153,7 @@ TEST(ModbusTcpServers, AreOneDeviceUnderEveryUnitIfItsAddressIsTheDefault) {
 
 TEST(Routes, ToAsciiLinesNameWhatSetsAnotherDelimiter) {
   const auto passes = [](const std::string& mode, const std::string& functions) {
-    const auto loaded = load_settings_text(
+    const auto loaded = test::load_settings_text(
         "x.toml",
         "[[listen]]\nname = \"plant\"\naddress = \"127.0.0.1\"\nport = 0\n"
         "[[bus]]\nname = \"line\"\ndevice = \"/dev/ttyS0\"\nmode = \"" +
@@ -170,7 +170,7 @@ TEST(Routes, ToAsciiLinesNameWhatSetsAnotherDelimiter) {
 
 TEST(ResponseTimeouts, AreTheProfilesUnlessTheUserSaysMore) {
   const auto timeout = [](const std::string& of_bus, const std::string& of_device) {
-    const auto loaded = load_settings_text(
+    const auto loaded = test::load_settings_text(
         "x.toml",
         "[[listen]]\nname = \"plant\"\naddress = \"127.0.0.1\"\nport = 0\nbus = \"line\"\n"
         "[[bus]]\nname = \"line\"\ndevice = \"/dev/ttyS0\"\n" +

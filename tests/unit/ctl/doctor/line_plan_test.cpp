@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "support/config_text.hpp"
+
 namespace mbgate::ctl {
 namespace {
 
@@ -46,7 +48,7 @@ bus = "line-a"
 )";
 
 Result<LinePlan, std::string> plan_for(const DoctorCommand& command, const std::string& text) {
-  const auto loaded = config::load_settings_text("test.toml", text);
+  const auto loaded = test::load_settings_text("test.toml", text);
   if (!loaded.settings) {
     return {boost::system::in_place_error, config::render(loaded.diagnostics)};
   }

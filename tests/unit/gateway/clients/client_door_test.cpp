@@ -53,7 +53,7 @@ class ClientAdmissionAlone : public testing::Test {
   gateway::WriteRules rules_{settings_.in_force()};
   gateway::FailsafeWrites failsafe_{settings_, exchanges_, rules_, actions_};
   gateway::Sessions sessions_{settings_.settings()};
-  gateway::ClientAdmission door_{settings_, exchanges_, rules_, failsafe_, sessions_, actions_};
+  gateway::ClientAdmission door_{settings_, exchanges_, failsafe_, sessions_, actions_};
   std::vector<std::string> reported_;
 };
 

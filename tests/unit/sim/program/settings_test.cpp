@@ -9,13 +9,14 @@ namespace {
 using namespace std::chrono_literals;
 
 std::string errors_of(std::string_view text) {
-  const auto loaded = sim::load_settings_text("sim.toml", text);
+  const auto loaded = sim::load_settings({"sim.toml", std::string(text)});
   EXPECT_FALSE(loaded.settings);
   return config::render(loaded.diagnostics);
 }
 
 TEST(SimulatorSettings, ReadsTheDemo) {
-  const auto loaded = sim::load_settings(MBGATE_SOURCE_DIR "/conf/demo-sim.toml");
+  const auto loaded =
+      sim::load_settings(config::read_text_file(MBGATE_SOURCE_DIR "/conf/demo-sim.toml"));
   EXPECT_EQ(config::render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
   const auto& buses = loaded.settings->buses;
@@ -36,7 +37,7 @@ TEST(SimulatorSettings, ReadsTheDemo) {
 }
 
 TEST(SimulatorSettings, ReadsEveryKey) {
-  const auto loaded = sim::load_settings_text("sim.toml", R"(
+  const auto loaded = sim::load_settings({"sim.toml", R"(
 reopen_after = "250ms"
 [[bus]]
 name = "a"
@@ -60,7 +61,7 @@ series = "m3"
 response_wait = "3ms"
 processing = "2ms"
 faults = { silent = true, answer_after = "400ms", bad_crc = true, wrong_unit = true, wrong_function = true, exception_every = 5 }
-)");
+)"});
   EXPECT_EQ(config::render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
   EXPECT_EQ(loaded.settings->reopen_after, 250ms);
@@ -168,7 +169,7 @@ address = 1
 }
 
 TEST(SimulatorSettings, ReadsAsciiBuses) {
-  const auto loaded = sim::load_settings_text("sim.toml", R"([[bus]]
+  const auto loaded = sim::load_settings({"sim.toml", R"([[bus]]
 name = "a"
 link = "a"
 mode = "ascii"
@@ -177,7 +178,7 @@ name = "b"
 link = "b"
 mode = "ascii"
 data_bits = 8
-)");
+)"});
   EXPECT_EQ(config::render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
   EXPECT_EQ(loaded.settings->buses[0].mode, sim::BusMode::ascii);
@@ -207,7 +208,7 @@ gap = "1ms"
 }
 
 TEST(SimulatorSettings, ReadsBusesThatListen) {
-  const auto loaded = sim::load_settings_text("sim.toml", R"([[bus]]
+  const auto loaded = sim::load_settings({"sim.toml", R"([[bus]]
 name = "cell"
 mode = "tcp"
 [[bus]]
@@ -223,7 +224,7 @@ name = "y"
 bus = "cell"
 address = 0
 model = "moons"
-)");
+)"});
   EXPECT_EQ(config::render(loaded.diagnostics), "");
   ASSERT_TRUE(loaded.settings);
   const auto& buses = loaded.settings->buses;
