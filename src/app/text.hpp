@@ -2,7 +2,9 @@
 // The status line that `systemctl status` shows, and words, times and characters as JSON has them.
 #pragma once
 
+#include <boost/json/array.hpp>
 #include <chrono>
+#include <ranges>
 #include <string>
 #include <string_view>
 
@@ -41,5 +43,12 @@ std::string utc_microsecond(std::chrono::system_clock::time_point instant);
 
 /// The text, with U+FFFD in place of each byte that is no part of a valid character (RFC 3629).
 std::string valid_utf8(std::string_view text);
+
+/// What `to_json` makes of each item.
+template <typename Items, typename ToJson>
+boost::json::array array_of(const Items& items, ToJson to_json) {
+  const auto all = std::views::transform(items, to_json);
+  return boost::json::array(all.begin(), all.end());
+}
 
 }  // namespace mbgate::app

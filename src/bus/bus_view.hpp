@@ -46,6 +46,12 @@ class BusView {
     const Instant until = entry.hold.until(entry.in_force());
     return parts_.quarantines() && until > now ? until - now : Duration{0};
   }
+  /// A device behind a line that is not open is not answering.
+  [[nodiscard]] DeviceState state_of(std::uint8_t address) const {
+    const DeviceState state = parts_.devices[address].health.state();
+    return state == DeviceState::answering && !parts_.link.serves() ? DeviceState::line_not_open
+                                                                    : state;
+  }
 
  private:
   const Parts& parts_;

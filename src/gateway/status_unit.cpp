@@ -78,7 +78,7 @@ Block device_block(const StatusView::Device& shown, const StatusView& view) {
   const bus::DeviceCounters& counters = entry.counters;
   const bus::QualityVerdict& quality = bus.diagnosis().quality()[device.address].verdict();
   Block block{static_cast<std::uint16_t>(shown.bus + 1), device.address,
-              static_cast<std::uint16_t>(entry.health.state()),
+              static_cast<std::uint16_t>(bus.view().state_of(device.address)),
               saturated(entry.health.unanswered_in_row())};
   for (const std::uint64_t count :
        {counters.transmissions, counters.responses, counters.exceptions, counters.timeouts,

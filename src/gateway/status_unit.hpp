@@ -29,7 +29,7 @@
 // At 10000 + 32 * device:
 //   0 its bus (1 is the first), 1 its address
 //   2 state: 0 no request yet, 1 answering, 2 not answering, 3 offline, 4 its last answers had a
-//        bad CRC
+//        bad CRC, 5 its line is not open
 //   3 unanswered transmissions in a row
 //   4-17 counters: transmissions, responses, exceptions, timeouts, bad CRCs, late responses, early
 //        responses

@@ -274,13 +274,12 @@ asio::awaitable<ControlServer::Response> ControlServer::reload(const Request& re
         request, http::status::service_unavailable,
         error_json("the reload has not ended within 30 s; the journal will have its result"));
   }
-  boost::json::array messages;
-  for (const std::string& message : outcome->messages) {
-    messages.emplace_back(boost::json::string(valid_utf8(message)));
-  }
   const auto status = outcome->done ? http::status::ok : http::status::unprocessable_entity;
   co_return answer(request, status,
-                   {{"result", outcome->done ? "done" : "refused"}, {"messages", messages}});
+                   {{"result", outcome->done ? "done" : "refused"},
+                    {"messages", array_of(outcome->messages, [](const std::string& message) {
+                       return boost::json::string(valid_utf8(message));
+                     })}});
 }
 
 }  // namespace mbgate::app

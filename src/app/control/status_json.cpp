@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <boost/json/array.hpp>
 #include <boost/json/string.hpp>
 #include <boost/json/value.hpp>
 #include <fmt/core.h>
@@ -12,7 +11,6 @@
 namespace mbgate::app {
 namespace {
 
-using boost::json::array;
 using boost::json::object;
 using boost::json::value;
 using gateway::BusStatus;
@@ -37,6 +35,7 @@ const char* text_of(DeviceStatus::State state) {
     case DeviceStatus::State::not_answering: return "not answering";
     case DeviceStatus::State::offline: return "offline";
     case DeviceStatus::State::damaged: return "damaged answers";
+    case DeviceStatus::State::line_not_open: return "line not open";
   }
   return "";
 }
@@ -174,15 +173,6 @@ object certificate_json(const CertificateStatus& certificate) {
     json["crl_ends"] = utc_second(*certificate.crl_ends) + "Z";
   }
   return json;
-}
-
-template <typename Items, typename ToJson>
-array array_of(const Items& items, ToJson to_json) {
-  array all;
-  for (const auto& item : items) {
-    all.emplace_back(to_json(item));
-  }
-  return all;
 }
 
 }  // namespace

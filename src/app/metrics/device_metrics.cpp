@@ -40,6 +40,7 @@ constexpr std::array kStates = {
     std::pair{DeviceStatus::State::not_answering, "not_answering"},
     std::pair{DeviceStatus::State::offline, "offline"},
     std::pair{DeviceStatus::State::damaged, "damaged_answers"},
+    std::pair{DeviceStatus::State::line_not_open, "line_not_open"},
 };
 
 constexpr std::array kCodes = {"other", "01", "02", "03", "04", "05",

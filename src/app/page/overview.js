@@ -10,6 +10,7 @@ import { count, deviceName, duration, milliseconds } from "/page/words.js";
 const SIGNS = { good: "✓", warn: "!", bad: "✕", unknown: "·" };
 const DEVICE_STATES = {
   answering: "good", "not answering": "warn", offline: "bad", "damaged answers": "warn", "not asked": "unknown",
+  "line not open": "bad",
 };
 
 function makeFinding() {

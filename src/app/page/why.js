@@ -29,6 +29,7 @@ export function whyOfDevice(device, diagnoses) {
     "not answering": `${unanswered}.`,
     offline: `${unanswered}${probe}.`,
     "damaged answers": "Its last answers were damaged.",
+    "line not open": "Its line is not open.",
   }[device.state] ?? "";
   return diagnoses.length > 0 ? `${why} ${found(diagnoses)}.` : why;
 }

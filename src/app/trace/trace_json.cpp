@@ -2,7 +2,6 @@
 #include "app/trace/trace_json.hpp"
 
 #include <algorithm>
-#include <boost/json/array.hpp>
 #include <boost/json/value.hpp>
 #include <fmt/core.h>
 #include <utility>
@@ -15,7 +14,6 @@
 namespace mbgate::app {
 namespace {
 
-using boost::json::array;
 using boost::json::object;
 using gateway::AskedTrace;
 using gateway::ByteString;
@@ -78,11 +76,9 @@ object wire_json(const WireTrace& wire, const Clock& clock) {
     json["left_at"] = instant_json(wire.left_at, clock);
     json["held_until"] = instant_json(wire.held_until, clock);
   }
-  array heard;
-  for (const gateway::HeardBytes& part : wire.heard) {
-    heard.push_back(object{{"at", clock.at(part.at)}, {"bytes", modbus::hex(part.bytes)}});
-  }
-  json["heard"] = std::move(heard);
+  json["heard"] = array_of(wire.heard, [&](const gateway::HeardBytes& part) {
+    return object{{"at", clock.at(part.at)}, {"bytes", modbus::hex(part.bytes)}};
+  });
   json["heard_not_kept"] = wire.not_kept;
   json["heard_text"] = heard_text(wire);
   if (wire.response) {
@@ -101,12 +97,9 @@ void add_asked(object& json, const AskedTrace& asked, const Clock& clock) {
     json["answer"] = adu_json(*asked.answer, Direction::response, clock.at(asked.answered_at));
   }
   json["refused"] = asked.refused;
-  array targets;
-  for (const AskedTrace::Target& target : asked.targets) {
-    targets.push_back(
-        object{{"bus", valid_utf8(target.bus)}, {"device", name_json(target.device)}});
-  }
-  json["targets"] = std::move(targets);
+  json["targets"] = array_of(asked.targets, [](const AskedTrace::Target& target) {
+    return object{{"bus", valid_utf8(target.bus)}, {"device", name_json(target.device)}};
+  });
 }
 
 /// "a%20b+c" is "a b c" (application/x-www-form-urlencoded); nothing if a '%' has no two digits.
@@ -179,11 +172,7 @@ object trace_json(const gateway::TraceRecord& record, system_clock::time_point e
       json["ended"] = gateway::to_text(*record.ended_as, !record.wire.empty());
     }
   }
-  array wire;
-  for (const WireTrace& it : record.wire) {
-    wire.push_back(wire_json(it, clock));
-  }
-  json["wire"] = std::move(wire);
+  json["wire"] = array_of(record.wire, [&](const WireTrace& it) { return wire_json(it, clock); });
   json["wire_not_kept"] = record.wire_not_kept;
   return json;
 }

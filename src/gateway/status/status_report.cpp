@@ -83,8 +83,9 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
   const bus::DeviceEntry& entry = bus.devices()[address];
   DeviceStatus status;
   status.address = address;
-  status.state = entry.health.state();
-  if (const auto passed = since(entry.health.state_since(), now)) {
+  status.state = bus.view().state_of(address);
+  const auto passed = since(entry.health.state_since(), now);
+  if (passed && status.state != DeviceStatus::State::line_not_open) {
     status.state_since = std::max(*passed, Duration{0});
   }
   status.has_answered = bus.diagnosis().quality()[address].has_answered();

@@ -88,8 +88,9 @@ struct DeviceStatus {
   std::size_t bus = 0;  ///< its place in StatusReport::buses
   std::uint8_t address = 0;
   State state = State::not_asked;
-  std::optional<Duration> state_since;   ///< how long ago it began; nothing as long as not_asked
-  bool has_answered = false;             ///< ever
+  std::optional<Duration>
+      state_since;            ///< how long ago it began; not_asked, line_not_open: nothing
+  bool has_answered = false;  ///< ever
   std::optional<Duration> last_request;  ///< how long ago one was sent to it
   std::optional<Duration> last_answer;   ///< how long ago that was
   unsigned unanswered_in_row = 0;        ///< transmissions: so many take it offline

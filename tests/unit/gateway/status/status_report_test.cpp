@@ -119,6 +119,10 @@ TEST_F(StatusOfAPlant, SaysSinceWhenADeviceIsInItsState) {
   EXPECT_EQ(report().devices[0].state, DeviceStatus::State::not_answering);
   EXPECT_LT(*report().devices[0].state_since, 60s);  // its response timeout of 100 ms had to end
   EXPECT_GT(*report().devices[0].state_since, 59s);
+  ask_and_answer();
+  rig_.lose_line();
+  EXPECT_EQ(report().devices[0].state, DeviceStatus::State::line_not_open);
+  EXPECT_EQ(report().devices[0].state_since, std::nullopt);
 }
 
 TEST_F(StatusOfAPlant, CountsTheExceptionsOfADeviceByTheirCode) {

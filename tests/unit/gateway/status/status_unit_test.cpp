@@ -62,6 +62,9 @@ TEST(StatusUnit, ShowsTheHealthOfBusesAndDevices) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 04 00 00 00 0B FF 04 08 00 01 00 01 00 01 00 00"));
   rig.receive(1, "0006 0000 0006 FF 04 272F 0001");  // its last register
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 06 00 00 00 05 FF 04 02 00 00"));
+  rig.lose_line();
+  rig.receive(1, "0007 0000 0006 FF 04 2712 0001");  // device 0: its line is not open
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 07 00 00 00 05 FF 04 02 00 05"));
   rig.receive(1, "0005 0000 0006 FF 04 2710 0021");  // there is no second device
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 05 00 00 00 03 FF 84 02"));
 }
