@@ -93,6 +93,24 @@ TEST_F(BusBroadcast, AStopIsNotJoinedToOneOfWhichAFormHasLeft) {
   EXPECT_THAT(endings_, ElementsAre(Ending::transmitted, Ending::transmitted));
 }
 
+// To the drive that hears its first form it is an ordinary write.
+TEST_F(BusBroadcast, AStopInAllFormsThatIsRepeatedLetsOthersGoFirst) {
+  drive::Device aic = axis(settings());
+  aic.profile.broadcast.form = drive::BroadcastForm{129, 0x80};
+  drive::Device other = axis(settings(), 2);
+  other.profile.stops = {{.address = 0x0080, .value = 1}};
+  open(settings(), {aic, other});
+  submit(both_forms(kStop));
+  advance(300ms);
+  submit(job_of(1, "06 0080 0001", 2));
+  advance(10ms);
+  submit(job_of(1, kRead, 2));
+  submit(both_forms(kStop));
+  line(frames_.back());
+  advance(5ms);
+  EXPECT_EQ(frames_.back(), kOtherDevice);
+}
+
 TEST_F(BusBroadcast, OfAStopAllFormsGoThoughTheLineIsNotSilentAnyMore) {
   open(settings(), {axis(settings())});
   submit(both_forms(kStop));

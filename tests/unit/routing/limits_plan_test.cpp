@@ -85,6 +85,15 @@ TEST(LimitsPlan, SplitsWritesOnlyWhereTheUserAllowsIt) {
             (Texts{"0F 00 01 00 03 01 05", "0F 00 04 00 02 01 02"}));
 }
 
+TEST(LimitsPlan, AWriteOfCoilsInPiecesIsAnsweredAsOne) {
+  auto device = small_drive();
+  device.split_writes = true;
+  device.profile.limits.write_coils = 10;
+  const Planned write(device, "0F 0001 000D 02 55 15");
+  EXPECT_EQ(write.requests(), (Texts{"0F 00 01 00 0A 02 55 01", "0F 00 0B 00 03 01 05"}));
+  EXPECT_EQ(write.answer({"0F 0001 000A", "0F 000B 0003"}), "0F 00 01 00 0D");
+}
+
 TEST(LimitsPlan, AnswersThroughAWindowToAnotherTableWithTheClientsFunction) {
   const drive::Device device;
   routing::ResolvedRoute resolved;

@@ -151,6 +151,14 @@ TEST(Plan, RefusesTheStatisticsOfModbusPlus) {
   EXPECT_EQ(on_the_bus(route, "08 0016 0000"), "08 00 16 00 00");
 }
 
+// Nobody knows which it would have been.
+TEST(Plan, ADiagnosticThatEndsWithinItsSubFunctionIsMalformedAndNotForbidden) {
+  Route route = window_route();
+  route.functions.allowed.set(8);
+  EXPECT_EQ(on_the_bus(route, "08 0004 0000"), modbus::exception_text(1));
+  EXPECT_EQ(on_the_bus(route, "08 00"), modbus::exception_text(3));
+}
+
 TEST(RouteTable, MapsRangesOfUnitsToAddresses) {
   Route range;
   range.first_unit = 100;

@@ -39,9 +39,25 @@ TEST_F(Health, TailsOfBeforeDoNotCountOnceItIsKnownToOweNothing) {
   unanswered(read_, 5800ms);
   ASSERT_TRUE(hold_.note_asked(&read_, at(5900ms), timing_, false));
   answered(read_, kAnswer, 6s, 5ms);
-  unanswered(read_, 7s);
-  asked(7900ms);
-  EXPECT_TRUE(may_be_asked(7900ms));
+  for (const auto due : {7s, 10s}) {
+    unanswered(read_, due);
+    asked(due + 900ms);
+    EXPECT_TRUE(may_be_asked(due + 900ms));
+  }
+}
+
+// Three in a minute were lost, but of the last eight only two.
+TEST_F(Health, ADeviceThatAnswersMostRequestsWithinTheirTailsIsNotLeftAlone) {
+  timing_.quarantine_max = 2s;
+  for (const auto lost : {1s, 21s, 41s}) {
+    unanswered(read_, lost);
+    asked(lost + 1s);
+    EXPECT_TRUE(may_be_asked(lost + 1s));
+    for (auto due = lost + 4s; due < lost + 16s; due += 4s) {
+      unanswered(read_, due);
+      EXPECT_TRUE(late(kAnswer, due + 10ms));
+    }
+  }
 }
 
 // The driver may have slept while it came.

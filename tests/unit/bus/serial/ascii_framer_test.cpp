@@ -276,5 +276,14 @@ TEST_F(AsciiFramer, WhatBeginsBehindAnAnswerGoesOn) {
   }
 }
 
+TEST_F(AsciiFramer, HoweverManyFramesOfOthersComeBeforeItAnAnswerIsWaitedFor) {
+  expect(kRead);
+  for (unsigned times = 0; times <= bus::kMostRestarts; ++times) {
+    EXPECT_EQ(add(":0203021234B3\r\n"), Verdict::none);
+  }
+  EXPECT_EQ(add(":0103"), Verdict::none);
+  EXPECT_TRUE(framer_.in_progress());
+}
+
 }  // namespace
 }  // namespace mbgate::test::ascii_framer_test

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Answers that pause for longer than frame_slack.
 #include "unit/bus/bus_rig.hpp"
+#include "unit/bus/queue/stop_axis.hpp"
 
 namespace mbgate::test {
 namespace {
@@ -75,6 +76,20 @@ TEST_F(BusPause, OfWhatIsNoBeginningOfAFrameHoldsNothing) {
   line("05");  // a byte of noise behind it
   submit(job(kRead));
   EXPECT_EQ(until_next_frame(30ms), kT35);
+}
+
+TEST_F(BusPause, OfADeadDriveShowsThatAStopToItIsWorthRepeating) {
+  open(settings(), {axis(settings())});
+  submit(job(kStop));
+  advance(1s);
+  ASSERT_THAT(frames_, SizeIs(4));
+  line("01 03");
+  advance(50ms);
+  line("02 12 34 B5 33");
+  advance(5ms);
+  submit(job(kStop));
+  advance(1s);
+  EXPECT_THAT(frames_, SizeIs(8));
 }
 
 }  // namespace

@@ -176,6 +176,7 @@ TEST_F(Echo, IsNotOwedForEver) {
   for (const auto& [later, owed] : {std::pair{11s, true}, std::pair{12s, false}}) {
     begin(true);
     send(kWritePdu, Instant(0s));
+    send(kWritePdu, Instant(0s));
     send(kWritePdu, Instant(later));
     EXPECT_EQ(take(kSentWrite), "|");
     EXPECT_EQ(echo_->is_owed(pdu(kWritePdu)), owed);
@@ -190,6 +191,18 @@ TEST_F(Echo, IsNotOwedWhenTheLineWasOpenedAnew) {
   send(kWritePdu);
   EXPECT_EQ(take(kSentWrite), "|");
   EXPECT_FALSE(echo_->is_owed(pdu(kWritePdu)));
+}
+
+TEST_F(Echo, OfWhatWasSentBeforeTheLineWasOpenedAnewIsNotExpected) {
+  for (const auto setting : {std::optional(true), std::optional<bool>()}) {
+    begin(setting);
+    send(kReadPdu);
+    EXPECT_EQ(take("01 03"), "|");
+    echo_->open();
+    EXPECT_EQ(take("02 03 00"), "|02 03 00");
+    EXPECT_EQ(release(), "");
+    EXPECT_EQ(counters_.echo_mismatches, 0U);
+  }
 }
 
 TEST_F(Echo, ThatWasFoundIsThereWhenTheLineIsOpenedAgain) {

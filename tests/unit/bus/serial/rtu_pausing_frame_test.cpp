@@ -41,5 +41,18 @@ TEST_F(RtuPausingFrame, WhatComesSlowlyDoesNotPause) {
   EXPECT_EQ(unsolicited->pause, Duration{0});
 }
 
+// The answer to it would be over with the eighth byte.
+TEST_F(RtuPausingFrame, OfAnotherClientsWriteThePiecesArePutTogether) {
+  framer_.listen();
+  add("02 10 00 00 00 02 04 00 01");
+  after(21ms);
+  add("00 02 2C EA");
+  const auto frame = framer_.take_unsolicited();
+  ASSERT_TRUE(frame);
+  EXPECT_TRUE(frame->is_request);
+  EXPECT_EQ(frame->address, 2);
+  EXPECT_EQ(frame->pause, 21ms);
+}
+
 }  // namespace
 }  // namespace mbgate::test

@@ -133,11 +133,18 @@ TEST_F(BusTcp, ABootingDeviceIsHeldBackWhileOthersGoOn) {
 TEST_F(BusTcp, AGapHoldsBackItsDevice) {
   drive::Device gapped{"gapped", {}, 1, settings().timing};
   gapped.timing.gap = 30ms;
-  open(tcp(2), {gapped});
-  submit(job(kRead, 2));
-  submit(job(kRead, 1));
-  answer(0, "02 03 02 12 34");
-  EXPECT_EQ(until_next_frame(), 30ms);
+  for (const bool is_answered : {true, false}) {
+    frames_.clear();
+    frame_times_.clear();
+    open(tcp(2), {gapped});
+    submit(job(kRead, 2));
+    submit(job(kRead, 1));
+    if (is_answered) {
+      advance(20ms);
+      answer(0, "02 03 02 12 34");
+    }
+    EXPECT_EQ(until_next_frame(), 30ms);
+  }
 }
 
 TEST_F(BusTcp, LateAnswersAreKnownByTheIdentifiersOfTheLast64Timeouts) {

@@ -211,6 +211,7 @@ TEST_F(BusTcpGateway, SaysThatItDidNotReachTheDevice) {
     ask(unreached);
     EXPECT_EQ(device().health.state(), DeviceState::not_answering);
     EXPECT_EQ(device().silence.transmissions(), 1U);
+    EXPECT_EQ(device().unreached, unhex(unreached).back());
     ask(unreached);
     ask(unreached);
     EXPECT_THAT(endings_, testing::Each(Ending::answered));  // the client gets the exception

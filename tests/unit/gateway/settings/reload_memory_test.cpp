@@ -68,6 +68,24 @@ TEST(ReloadMemory, ABusThatGetsAnotherNameStillWaitsForLateAnswers) {
   EXPECT_THAT(rig.take_transmitted(1), testing::SizeIs(1));
 }
 
+TEST(ReloadMemory, AndForADriveThatPausesAfterAWrite) {
+  Settings settings = one_bus();
+  settings.buses[0].timing.gap_after_write = 500ms;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, write_request(1));
+  rig.advance(10ms);
+  rig.respond(kWrite1);
+  settings.buses[0].name = "line-b";
+  rig.reload(settings);
+  rig.open_line(1);
+  rig.receive(1, read_request(2));
+  rig.advance(499ms);
+  EXPECT_THAT(rig.take_transmitted(1), testing::IsEmpty());
+  rig.advance(1ms);
+  EXPECT_THAT(rig.take_transmitted(1), testing::SizeIs(1));
+}
+
 /// Unit 1 leads to address 2.
 Settings moved(Settings settings) {
   settings.routes[0].first_address = 2;
@@ -171,6 +189,23 @@ Lines sent_around_a_reload(const char* part, const char* rest) {
 // What lies in a socket may count as older than it is, and no stop may be lost for that.
 TEST(ReloadMemory, AStopThatCountsAsOlderGoesToTheDriveOfToday) {
   EXPECT_THAT(sent_around_a_reload("00 01 00 00 00 06 01 06 00", "7C 00 E1"), ElementsAre(kStop2));
+}
+
+// Its client meant another drive, or knew of none.
+TEST(ReloadMemory, AWriteThatCountsAsOlderIsRefused) {
+  Settings without = stop_plant();
+  without.routes[0].first_unit = without.routes[0].first_address = 2;
+  for (const auto& [before, after] :
+       {std::pair(stop_plant(), moved(stop_plant())), std::pair(without, stop_plant())}) {
+    MachineRig rig(before);
+    rig.connect(1);
+    rig.receive(1, "00 01 00 00 00 06 01 06 00");
+    rig.advance(1ms);
+    rig.reload(after);
+    rig.receive(1, "00 00 01");
+    EXPECT_THAT(rig.take_sent(1), ElementsAre(busy(1)));
+    EXPECT_THAT(take_requests(rig), testing::IsEmpty());
+  }
 }
 
 TEST(ReloadMemory, AReadCountsFromWhenItIsUnderstood) {

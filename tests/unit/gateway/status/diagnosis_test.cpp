@@ -151,17 +151,31 @@ TEST(BytesWithoutAFrame, HaveAllTheirCausesNamed) {
                           "at one address?"));
 }
 
-TEST(LineThatIsNeverSilent, IsNamedWhileItLasts) {
-  Trouble trouble;
+/// Bytes without a silence.
+void babble(Trouble& trouble) {
   for (int at = 0; at < 1500; ++at) {
     trouble.rig.line("55");
     trouble.rig.advance(1ms);
   }
+}
+
+TEST(LineThatIsNeverSilent, IsNamedWhileItLasts) {
+  Trouble trouble;
+  babble(trouble);
   EXPECT_THAT(trouble.diagnoses(),
               ElementsAre("bus line-a: it is never silent: nothing can be sent | bytes came "
                           "without the silence that a request needs before it, the last 0 s ago | "
                           "another client on this line, baud rate, termination or bias"));
   trouble.rig.advance(10s);
+  EXPECT_THAT(trouble.diagnoses(), IsEmpty());
+}
+
+// There may be another adapter now.
+TEST(LineThatIsNeverSilent, IsNotNamedAnyMoreOnceTheLineIsOpenedAgain) {
+  Trouble trouble;
+  babble(trouble);
+  trouble.rig.lose_line();
+  trouble.rig.open_line();
   EXPECT_THAT(trouble.diagnoses(), IsEmpty());
 }
 
