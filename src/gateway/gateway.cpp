@@ -39,7 +39,6 @@ void Gateway::on(const DeadlineReached& /*input*/, Instant now) {
   buses_.handle_deadline(now);
   clients_.handle_deadline(now);
   if (stop_deadline_ && now >= *stop_deadline_) {
-    stop_deadline_.reset();
     clients_.set_phase(Phase::nothing);
     buses_.give_up(now);
   }

@@ -37,10 +37,12 @@ std::vector<BusId> Settings::written_buses() const {
   return written;
 }
 
-std::vector<const drive::Device*> Settings::written_devices() const {
-  std::vector<const drive::Device*> written;
+std::vector<Settings::WrittenDevice> Settings::written_devices() const {
+  const std::vector<BusId> order = written_buses();
+  std::vector<WrittenDevice> written;
   for (const std::size_t number : written_order ? written_order->devices : all(devices.size())) {
-    written.push_back(&devices[number]);
+    const auto bus = std::ranges::find(order, devices[number].bus);
+    written.push_back({&devices[number], static_cast<std::size_t>(bus - order.begin())});
   }
   return written;
 }

@@ -145,7 +145,11 @@ struct Settings {
   [[nodiscard]] std::string device_name(BusId bus, std::uint8_t address) const;
   /// Those that are not removed, in the order of the configuration file.
   [[nodiscard]] std::vector<BusId> written_buses() const;
-  [[nodiscard]] std::vector<const drive::Device*> written_devices() const;
+  struct WrittenDevice {
+    const drive::Device* device;
+    std::size_t bus;  ///< its place among the buses
+  };
+  [[nodiscard]] std::vector<WrittenDevice> written_devices() const;
   [[nodiscard]] const BusSettings& bus(BusId id) const {
     return buses[static_cast<std::size_t>(id)];
   }

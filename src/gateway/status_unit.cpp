@@ -35,8 +35,8 @@ std::uint16_t saturated(std::uint64_t value) {
 Block head_block(const StatusView& view) {
   Block block{kLayoutVersion, saturated(view.buses.size()), saturated(view.devices.size()),
               saturated(view.clients)};
-  put32(block, static_cast<std::uint64_t>(
-                   std::chrono::duration_cast<std::chrono::seconds>(view.uptime).count()));
+  const auto uptime = std::chrono::floor<std::chrono::seconds>(view.now - view.started);
+  put32(block, static_cast<std::uint64_t>(uptime.count()));
   put32(block, view.counters.requests);
   put32(block, view.counters.foreign_adus);
   put32(block, view.counters.framing_lost);
@@ -71,9 +71,9 @@ std::uint16_t milliseconds(bus::Duration duration) {
       static_cast<std::uint64_t>(std::chrono::ceil<std::chrono::milliseconds>(duration).count()));
 }
 
-Block device_block(const StatusView::Device& shown, const StatusView& view) {
+Block device_block(const Settings::WrittenDevice& shown, const StatusView& view) {
   const drive::Device& device = *shown.device;
-  const bus::Bus& bus = *view.buses[shown.bus];
+  const bus::Bus& bus = view.all[view.buses[shown.bus]];
   const bus::DeviceEntry& entry = bus.devices()[device.address];
   const bus::DeviceCounters& counters = entry.counters;
   const bus::QualityVerdict& quality = bus.diagnosis().quality()[device.address].verdict();
@@ -106,7 +106,7 @@ std::pair<std::uint32_t, Block> block_at(std::uint32_t address, const StatusView
   if (address >= kBusesAt) {
     const std::uint32_t index = (address - kBusesAt) / kBusSize;
     return index < view.buses.size()
-               ? std::pair{kBusesAt + index * kBusSize, bus_block(*view.buses[index])}
+               ? std::pair{kBusesAt + index * kBusSize, bus_block(view.all[view.buses[index]])}
                : std::pair<std::uint32_t, Block>{};
   }
   return {0, head_block(view)};
@@ -172,8 +172,8 @@ Pdu identify(const Pdu& request) {
 template <typename Count>
 std::uint64_t sum(const StatusView& view, Count count) {
   std::uint64_t total = 0;
-  for (const bus::Bus* bus : view.buses) {
-    total += count(bus->counters());
+  for (const BusId bus : view.buses) {
+    total += count(view.all[bus].counters());
   }
   return total;
 }

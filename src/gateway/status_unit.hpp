@@ -46,8 +46,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "bus/bus.hpp"
-#include "drive/device.hpp"
+#include "gateway/bus_set.hpp"
 #include "modbus/pdu.hpp"
 
 namespace mbgate::gateway {
@@ -61,16 +60,14 @@ struct ClientCounters {
 
 /// The state of the gateway at the moment of a request.
 struct StatusView {
-  struct Device {
-    const drive::Device* device;
-    std::size_t bus;  ///< among `buses`
-  };
-  std::vector<const bus::Bus*> buses;
-  std::vector<Device> devices;
-  std::size_t clients = 0;
+  const Settings& settings;
+  const BusSet& all;
+  std::size_t clients;
   ClientCounters counters;
-  bus::Duration uptime{0};
-  bus::Instant now{};
+  bus::Instant started;
+  bus::Instant now;
+  std::vector<BusId> buses = settings.written_buses();
+  std::vector<Settings::WrittenDevice> devices = settings.written_devices();
 };
 
 class StatusUnit {
@@ -82,6 +79,12 @@ class StatusUnit {
   /// Answers everything; what the gateway itself does not do gets exception 01.
   Answer answer(const modbus::Pdu& request, const StatusView& view);
   void clear_counters() { requests_ = 0; }
+  /// Does it read another table than that of the status? It gets 01, and the journal says where.
+  [[nodiscard]] static bool is_elsewhere(const modbus::Pdu& request) {
+    return request.function() >= 0x01 && request.function() <= 0x03;
+  }
+  static constexpr const char* kWhere =
+      "denied: the unit is the gateway itself, with its status in input registers (function 4)";
 
  private:
   [[nodiscard]] Answer diagnose(const modbus::Pdu& request, const StatusView& view) const;

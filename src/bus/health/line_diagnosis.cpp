@@ -124,7 +124,7 @@ void LineDiagnosis::note_times(const Transmission& transmission, const LineEnd& 
   const Job& job = *transmission.leader;
   AnswerTimes& times = parts_.devices[transmission.on_wire().address].times;
   const Duration whole = std::max(now - transmission.last_sent, Duration{0});
-  const Duration device = std::clamp(end.heard > 0 ? end.heard_after : whole, Duration{0}, whole);
+  const Duration device = end.heard > 0 ? end.heard_after : whole;
   times.device.note(device);
   times.wire.note(whole - device);
   if (job.current == 0 && transmission.tries == 1) {

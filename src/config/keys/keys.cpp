@@ -2,6 +2,7 @@
 #include "config/keys/keys.hpp"
 
 #include <array>
+#include <fmt/core.h>
 #include <limits>
 
 #include "config/toml/toml_value.hpp"
@@ -215,13 +216,9 @@ template <typename Section>
 void list(std::string& text, std::string_view title, std::span<const PlainKey<Section>> keys,
           const std::type_identity_t<Section>& defaults) {
   for (const auto& key : keys) {
-    text += title;
-    text += '\t';
-    text += key.name;
     text +=
-        '\t' + std::visit(RangeToText(), key.range) + '\t' + value_text(key.get(defaults)) + '\t';
-    text += place_of(key.lines);
-    text += '\n';
+        fmt::format("{}\t{}\t{}\t{}\t{}\n", title, key.name, std::visit(RangeToText(), key.range),
+                    value_text(key.get(defaults)), place_of(key.lines));
   }
 }
 

@@ -2,6 +2,8 @@
 #include "config/profiles/profile_library.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
+#include <ranges>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -118,25 +120,17 @@ std::vector<std::string> ProfileLibrary::names() const {
 }
 
 std::string unknown_profile(const ProfileLibrary& library, std::string_view name) {
-  std::string text = "no profile is named " + in_quotes(name);
+  const std::string text = "no profile is named " + in_quotes(name);
   const auto names = library.names();
   const auto meant = did_you_mean(name, {names.begin(), names.end()});
   if (!meant.empty()) {
     return text + meant;
   }
-  const bool any = names.size() > 1;
-  text += any ? "; there are " : "; there is only \"generic\" in ";
-  std::string separator;
-  if (any) {
-    for (const auto& known : names) {
-      text += std::exchange(separator, ", ") + known;
-    }
-    return text;
+  if (names.size() > 1) {
+    return fmt::format("{}; there are {}", text, fmt::join(names, ", "));
   }
-  for (const auto& folder : library.folders()) {
-    text += std::exchange(separator, " and ") + folder.string();
-  }
-  return text;
+  const auto folders = std::views::transform(library.folders(), &fs::path::native);
+  return fmt::format("{}; there is only \"generic\" in {}", text, fmt::join(folders, " and "));
 }
 
 // The only file that knows where the sources are, seen from a build, and where a build will be

@@ -236,21 +236,20 @@ modbus::Pdu Requests::answer_of_gateway(const ClientSession& session, const Requ
   if (session.rights().read_only && !modbus::is_read(request.bytes())) {
     return modbus::Pdu::exception(request.function(), modbus::ExceptionCode::illegal_function);
   }
-  StatusView view{{}, {}, sessions_.size(), intake_.counters(), now - started_, now};
-  const std::vector<BusId> buses = settings_.settings().written_buses();
-  for (const BusId bus : buses) {
-    view.buses.push_back(&buses_[bus]);
-  }
-  for (const drive::Device* device : settings_.settings().written_devices()) {
-    const auto bus = std::ranges::find(buses, device->bus);
-    view.devices.push_back({device, static_cast<std::size_t>(bus - buses.begin())});
-  }
+  StatusView view{settings_.settings(), buses_,   sessions_.size(),
+                  intake_.counters(),   started_, now};
   const StatusUnit::Answer answer = status_unit_.answer(request, view);
+  const auto report = [&](ReportLimit& limit, auto event) {
+    if (const auto left_out = limit.note(session.info(), now)) {
+      event.left_out = *left_out;
+      actions_.push(Report{std::move(event)});
+    }
+  };
   if (answer.clear_counters) {
     clear_counters();
-    if (const auto left_out = clears_.note(session.info(), now)) {
-      actions_.push(Report{CountersCleared{asked_of(session.info(), asked.adu), *left_out}});
-    }
+    report(clears_, CountersCleared{asked_of(session.info(), asked.adu)});
+  } else if (StatusUnit::is_elsewhere(request)) {
+    report(misreads_, ReadDenied{{asked_of(session.info(), asked.adu), StatusUnit::kWhere}});
   }
   return answer.pdu;
 }

@@ -73,6 +73,7 @@ class Requests {
   ActionQueue& actions_;
   StatusUnit status_unit_;
   ReportLimit clears_{kActsReported};
+  ReportLimit misreads_{kDenialsReported};
   Instant started_;
 };
 

@@ -153,11 +153,11 @@ StatusReport make_status_report(const StatusSources& sources, Duration uptime, I
     report.buses.push_back(status_of(sources.buses[bus], settings.bus(bus), now));
     report.buses.back().most_waiting = most_waiting(sources.buses[bus], sources.sessions, now);
   }
-  for (const drive::Device* device : settings.written_devices()) {
+  for (const auto& [device, place] : settings.written_devices()) {
     DeviceStatus status =
         status_of(sources.buses[device->bus], device->address, is_serial(device->bus), now);
     status.name = device->name;
-    status.bus = static_cast<std::size_t>(std::ranges::find(buses, device->bus) - buses.begin());
+    status.bus = place;
     report.devices.push_back(std::move(status));
   }
   for (std::size_t place = 0; place < buses.size(); ++place) {

@@ -69,7 +69,7 @@ Settings routed(const std::vector<std::pair<unsigned, unsigned>>& units) {
 TEST(UnitWithoutARoute, IsJournaledOnceAClient) {
   MachineRig rig(routed({{11, 11}, {12, 12}}));
   rig.connect(1);
-  rig.receive(1, read_request(1, 1) + read_request(2, 2) + read_request(3, 255));
+  rig.receive(1, read_request(1, 1) + read_request(2, 2) + "0003 0000 0006 FF 04 0000 0001");
   rig.connect(2);  // of the same address
   rig.receive(2, write_request(1, 1));
   EXPECT_THAT(rig.events,

@@ -69,6 +69,21 @@ TEST(StatusUnit, ShowsTheHealthOfBusesAndDevices) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 05 00 00 00 03 FF 84 02"));
 }
 
+TEST(StatusUnit, TellsTheJournalWhoReadsAnotherTableOfIt) {
+  MachineRig rig;
+  rig.connect(1);
+  rig.events.clear();
+  rig.receive(1, "0001 0000 0006 FF 03 0000 0004 0002 0000 0006 FF 01 0000 0004");
+  EXPECT_THAT(rig.take_sent(1),
+              ElementsAre("00 01 00 00 00 03 FF 83 01", "00 02 00 00 00 03 FF 81 01"));
+  EXPECT_THAT(
+      rig.events,
+      ElementsAre(
+          "listener plant: client 192.0.2.1: function 3 at unit 255, reads holding registers 0..3, "
+          "denied: the unit is the gateway itself, with its status in input registers (function "
+          "4)"));
+}
+
 TEST(StatusUnit, ShowsEachBusBehindTheOneBefore) {
   Settings settings = one_bus();
   settings.buses.push_back(settings.buses[0]);
