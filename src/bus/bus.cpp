@@ -45,6 +45,9 @@ void Bus::handle_opened(Instant now, LineKind kind) {
 void Bus::take_over(Bus& before) {
   before.outcomes_.note_lost();
   listens_first_until_ = before.listens_first_until_;
+  if (listens_first_until_) {  // the turnaround of a broadcast may be running
+    listens_first_until_ = std::max(*listens_first_until_, before.parts_.line.possible_at());
+  }
   parts_.devices.take_over(before.parts_.devices);
 }
 

@@ -76,11 +76,11 @@ void put_back(const std::vector<std::byte>& copy) {
 
 }  // namespace mbgate::explore
 
-// Only programs that explore are linked with these.
+// NOLINTBEGIN(cppcoreguidelines-no-malloc): only programs that explore are linked with these
 void* operator new(std::size_t size) {
   using namespace mbgate::explore;
-  void* const found = is_in_use ? allocate(size) : std::malloc(size);
-  return found != nullptr || size == 0 ? found : throw std::bad_alloc();
+  void* const found = is_in_use ? allocate(size) : std::malloc(std::max<std::size_t>(size, 1));
+  return found != nullptr ? found : throw std::bad_alloc();
 }
 
 void operator delete(void* pointer) noexcept {
@@ -89,3 +89,4 @@ void operator delete(void* pointer) noexcept {
 }
 
 void operator delete(void* pointer, std::size_t /*size*/) noexcept { operator delete(pointer); }
+// NOLINTEND(cppcoreguidelines-no-malloc)

@@ -222,11 +222,6 @@ void list(std::string& text, std::string_view title, std::span<const PlainKey<Se
   }
 }
 
-template <typename Value>
-KeyValue value_or_nothing(const std::optional<Value>& value) {
-  return value ? KeyValue(*value) : KeyValue();
-}
-
 }  // namespace
 
 std::span<const PlainKey<Settings>> gateway_keys() { return kGatewayKeys; }
@@ -262,13 +257,14 @@ std::string list_keys() {
 }
 
 KeyValue read_key(TomlTable& table, std::string_view key, const KeyRange& range) {
+  const auto or_nothing = [](const auto& value) { return value ? KeyValue(*value) : KeyValue(); };
   if (const auto* integers = std::get_if<IntegerRange>(&range)) {
-    return value_or_nothing(table.integer(key, *integers));
+    return or_nothing(table.integer(key, *integers));
   }
   if (const auto* durations = std::get_if<DurationRange>(&range)) {
-    return value_or_nothing(table.duration(key, *durations));
+    return or_nothing(table.duration(key, *durations));
   }
-  return value_or_nothing(table.boolean(key));
+  return or_nothing(table.boolean(key));
 }
 
 }  // namespace mbgate::config

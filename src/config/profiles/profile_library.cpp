@@ -98,11 +98,8 @@ const ProfileFile* ProfileLibrary::find(std::string_view name) {
 }
 
 std::vector<TextFile> ProfileLibrary::files() const {
-  std::vector<TextFile> files;
-  for (const auto& [name, file] : files_) {
-    files.push_back(file);
-  }
-  return files;
+  const auto files = std::views::values(files_);
+  return {files.begin(), files.end()};
 }
 
 std::vector<std::string> ProfileLibrary::names() const {

@@ -86,6 +86,23 @@ TEST(ReloadMemory, AndForADriveThatPausesAfterAWrite) {
   EXPECT_THAT(rig.take_transmitted(1), testing::SizeIs(1));
 }
 
+TEST(ReloadMemory, AndForTheTurnaroundOfABroadcast) {
+  Settings settings = one_bus();
+  settings.routes.emplace_back().buses = {BusId{0}};  // unit 0
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, write_request(1, 0));
+  rig.advance(20ms);  // it has left
+  settings.buses[0].name = "line-b";
+  rig.reload(settings);
+  rig.open_line(1);
+  rig.receive(1, read_request(2));
+  rig.advance(settings.buses[0].turnaround - 20ms);
+  EXPECT_THAT(rig.take_transmitted(1), testing::IsEmpty());
+  rig.advance(20ms);
+  EXPECT_THAT(rig.take_transmitted(1), testing::SizeIs(1));
+}
+
 /// Unit 1 leads to address 2.
 Settings moved(Settings settings) {
   settings.routes[0].first_address = 2;
