@@ -107,6 +107,11 @@ Digest Explorer::digest() {
   return world_->digest();
 }
 
+Digest Explorer::seen() {
+  const Allocating in_arena(Allocating::Where::in_arena);
+  return world_->seen();
+}
+
 bool Explorer::enter() {
   const Digest state = digest();
   const bool is_new = merging_ == Merging::off ||
@@ -155,7 +160,7 @@ Digest Explorer::behaviour_of(Step& step) {
     hash.add(choice.ask.client);
     hash.add(choice.ask.device);
     hash.add(choice.ask.word);
-    for (const Digest& part : {world_->seen(), with(digest(), world_->slack())}) {
+    for (const Digest& part : {seen(), with(digest(), world_->slack())}) {
       hash.add(part.first);
       hash.add(part.second);
     }

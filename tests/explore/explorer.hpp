@@ -62,6 +62,7 @@ class Explorer {
   bool go_down();
   [[nodiscard]] Step here();
   [[nodiscard]] Digest digest();
+  [[nodiscard]] Digest seen();
   bool enter();
   [[nodiscard]] SlackSet bit(const Slack& slack) const;
   [[nodiscard]] SlackSet covering(const Slack& slack) const;
