@@ -180,19 +180,21 @@ void Oracle::hold(Flight& closed, Instant now) {
   const auto count = std::ranges::count_if(flights_, is_open);
   const bool is_quick =
       running_ == closed.serial && now < closed.left + timing().response_timeout / 4;
-  if (count == 0) {
-    book.owes_until = Instant::min();
-  } else if (!is_quick) {
-    book.owes_until = now + std::min<Duration>(2 * count * (now - oldest), timing().quarantine_max);
+  book.forgets_at =
+      count == 0 ? Instant::min()
+                 : now + std::min<Duration>(2 * count * (now - oldest), timing().quarantine_max);
+  if (count == 0 || !is_quick) {
+    book.owes_until = book.forgets_at;
   }
 }
 
-// What has not come when it was held for long enough is lost.
+// What has not come when it was held for long enough is lost. A gateway may hold a device that owes
+// nothing more, too.
 void Oracle::forget(std::uint8_t device, Instant now) {
-  const Instant owes_until = books_[device].owes_until;
+  const Instant forgets_at = books_[device].forgets_at;
   for (Flight& flight : flights_) {
     const bool was_waited_for =
-        now >= owes_until && (flight.spoilt || sent_at(flight) < owes_until);
+        now >= forgets_at && (flight.spoilt || sent_at(flight) < forgets_at);
     if (flight.device == device && now >= end_of_tail(flight) &&
         (was_waited_for || now >= sent_at(flight) + timing().quarantine_max)) {
       flight.open = false;

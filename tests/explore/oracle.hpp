@@ -84,6 +84,7 @@ class Oracle {
     Instant sudden_until = Instant::min();  ///< an answer that came sooner may be an earlier one's
     Instant heard_at = Instant::min();
     Instant owes_until = Instant::min();  ///< it is held for what it may owe
+    Instant forgets_at = Instant::min();  ///< what it owes is lost then
     std::uint64_t last_heard = 0;         ///< what was heard last answers this transmission
     bool answers_twice = false;
     std::uint64_t taught = 0;  ///< when a second answer was seen to be one, among all events

@@ -78,7 +78,7 @@ void Oracle::read(const Flight& flight, StateHash& hash) const {
 void Oracle::read(const Book& book, StateHash& hash) const {
   const auto& [held_until, stop_unanswered, unanswered, offline_at, is_stopped, stopped_at, done,
                answered, answered_at, shortest_answer, sudden_until, heard_at, owes_until,
-               last_heard, answers_twice, taught, second_after] = book;
+               forgets_at, last_heard, answers_twice, taught, second_after] = book;
   hash.add(answered ? flights_[*answered].word : Word::read_a);
   hash.since(answered_at, timing().response_timeout + Duration{1});
   hash.add(answers_twice);
@@ -90,6 +90,7 @@ void Oracle::read(const Book& book, StateHash& hash) const {
   hash.until(sudden_until);
   hash.since(heard_at, kFarPast);
   hash.since(owes_until, kFarPast);
+  hash.since(forgets_at, kFarPast);
   hash.until(held_until);
   hash.add(stop_unanswered);
   hash.add(timing().offline_after != 0 ? unanswered : 0);
