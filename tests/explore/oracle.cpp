@@ -50,14 +50,16 @@ void Oracle::note_taken(std::uint8_t client, Instant now) {
         ++request.rivals;
       }
     }
-    if (ask.word != Word::stop) {
-      continue;
+    if (ask.word == Word::stop) {
+      cancel_writes(ask.device);
     }
-    for (Request& other : requests_) {
-      if (other.open && other.taken && other.ask.device == ask.device &&
-          other.ask.word == Word::write) {
-        other.cancelled = other.cancelled || other.sent == 0;
-      }
+  }
+}
+
+void Oracle::cancel_writes(std::uint8_t device) {
+  for (Request& other : requests_) {
+    if (other.open && other.taken && other.ask.device == device && other.ask.word == Word::write) {
+      other.cancelled = other.cancelled || other.sent == 0;
     }
   }
 }

@@ -99,6 +99,7 @@ class Oracle {
   [[nodiscard]] Flight* running() { return running_ ? &flights_[*running_] : nullptr; }
   [[nodiscard]] bool is_repeated(const Request& request, Instant now) const;
   [[nodiscard]] bool is_same_request(const Flight& a, const Flight& b) const;
+  void cancel_writes(std::uint8_t device);
   void end_uncertain();
   void note_frame(Flight& flight, Instant now);
   void hold(Flight& closed, Instant now);
