@@ -113,7 +113,7 @@ Digest Explorer::seen() {
 }
 
 bool Explorer::enter() {
-  const Digest state = digest();
+  const Digest state = merging_ == Merging::off ? Digest{} : digest();
   const bool is_new = merging_ == Merging::off ||
                       known_.add(state, bit(world_->slack()), covering(world_->slack()));
   findings_.merged += is_new ? 0U : 1U;

@@ -49,6 +49,19 @@ TEST(ReloadMemory, ABroadcastThatWaitsIsNotSentToADeviceThatIsAnotherNow) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre(busy(2, 0)));
 }
 
+/// The bus gets another name, and keeps its port. A read that is asked for then is not sent within
+/// `wait`, but is `rest` later.
+void expect_wait(MachineRig& rig, Settings settings, bus::Duration wait, bus::Duration rest) {
+  settings.buses[0].name = "line-b";
+  rig.reload(settings);
+  rig.open_line(1);
+  rig.receive(1, read_request(2));
+  rig.advance(wait);
+  EXPECT_THAT(rig.take_transmitted(1), testing::IsEmpty());
+  rig.advance(rest);
+  EXPECT_THAT(rig.take_transmitted(1), testing::SizeIs(1));
+}
+
 TEST(ReloadMemory, ABusThatGetsAnotherNameStillWaitsForLateAnswers) {
   Settings settings = one_bus();
   settings.buses[0].timing.quarantine = 500ms;
@@ -58,17 +71,10 @@ TEST(ReloadMemory, ABusThatGetsAnotherNameStillWaitsForLateAnswers) {
   rig.receive(1, read_request(1));
   rig.advance(150ms);
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 03 01 83 0B"));
-  settings.buses[0].name = "line-b";
-  rig.reload(settings);
-  rig.open_line(1);
-  rig.receive(1, read_request(2));
-  rig.advance(400ms);
-  EXPECT_THAT(rig.take_transmitted(1), testing::IsEmpty());
-  rig.advance(100ms);
-  EXPECT_THAT(rig.take_transmitted(1), testing::SizeIs(1));
+  expect_wait(rig, settings, 400ms, 100ms);
 }
 
-TEST(ReloadMemory, AndForADriveThatPausesAfterAWrite) {
+TEST(ReloadMemory, ABusThatGetsAnotherNameStillWaitsForADriveThatPausesAfterAWrite) {
   Settings settings = one_bus();
   settings.buses[0].timing.gap_after_write = 500ms;
   MachineRig rig(settings);
@@ -76,31 +82,17 @@ TEST(ReloadMemory, AndForADriveThatPausesAfterAWrite) {
   rig.receive(1, write_request(1));
   rig.advance(10ms);
   rig.respond(kWrite1);
-  settings.buses[0].name = "line-b";
-  rig.reload(settings);
-  rig.open_line(1);
-  rig.receive(1, read_request(2));
-  rig.advance(499ms);
-  EXPECT_THAT(rig.take_transmitted(1), testing::IsEmpty());
-  rig.advance(1ms);
-  EXPECT_THAT(rig.take_transmitted(1), testing::SizeIs(1));
+  expect_wait(rig, settings, 499ms, 1ms);
 }
 
-TEST(ReloadMemory, AndForTheTurnaroundOfABroadcast) {
+TEST(ReloadMemory, ABusThatGetsAnotherNameStillWaitsForTheTurnaroundOfABroadcast) {
   Settings settings = one_bus();
   settings.routes.emplace_back().buses = {BusId{0}};  // unit 0
   MachineRig rig(settings);
   rig.connect(1);
   rig.receive(1, write_request(1, 0));
   rig.advance(20ms);  // it has left
-  settings.buses[0].name = "line-b";
-  rig.reload(settings);
-  rig.open_line(1);
-  rig.receive(1, read_request(2));
-  rig.advance(settings.buses[0].turnaround - 20ms);
-  EXPECT_THAT(rig.take_transmitted(1), testing::IsEmpty());
-  rig.advance(20ms);
-  EXPECT_THAT(rig.take_transmitted(1), testing::SizeIs(1));
+  expect_wait(rig, settings, settings.buses[0].turnaround - 20ms, 20ms);
 }
 
 /// Unit 1 leads to address 2.
