@@ -3,9 +3,6 @@
 // numbers there are references: protocol address = number - 40001.
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -24,15 +21,7 @@ enum class MoonsSeries : std::uint8_t {
   bldc   ///< BLDC: turns, but does not position
 };
 
-RegisterMap moons_st_registers();
-RegisterMap moons_stb_registers();
-RegisterMap moons_stf_registers();
-RegisterMap moons_ssdc_registers();
-RegisterMap moons_m2_registers();
 RegisterMap moons_m3_registers();
-RegisterMap moons_mdx_registers();
-RegisterMap moons_bldc_registers();
-
 RegisterMap moons_registers(MoonsSeries series);
 
 /// Registers that all series except M3 have at the same address.
@@ -66,39 +55,5 @@ inline constexpr std::uint16_t kMoonsProtocolLittle = 133;
 /// The bit that is set in the two little-endian settings (133 and 389) and not in the two
 /// big-endian ones (5 and 261).
 inline constexpr std::uint32_t kMoonsLittleBit = 0x80;
-
-// Ranges of registers of MOONS' drives. The manual prints none in its tables; what counts here is
-// that a rate of 0 is none.
-
-inline constexpr Limits kRate{1, 32000};
-inline constexpr Limits kProtocol{1, 511};
-
-/// What all series but M3 and BLDC begin with, and their motion registers.
-inline constexpr std::array kMoonsStart{
-    RegisterRun{0x0000, 1, Width::word, Access::read_only},          // 40001 AL
-    RegisterRun{0x0001, 1, Width::word, Access::read_only, 0x0009},  // 40002 SC
-    RegisterRun{0x0002, 2, Width::word, Access::read_only}};         // 40003..40004 IS, ISX
-inline constexpr std::array kMoonsMotion{
-    RegisterRun{0x000A, 2, Width::word, Access::read_only},       // 40011..40012 IV0, IV1
-    RegisterRun{0x000C, 1, Width::word, Access::read_only, 400},  // 40013 IT
-    RegisterRun{0x000D, 1, Width::word, Access::read_only, 240},  // 40014 IU
-    RegisterRun{0x000E, 1, Width::value, Access::read_only},      // 40015..40016 IX
-    RegisterRun{0x0010, 3, Width::word, Access::read_only},       // 40017..40019 IA, IC
-    RegisterRun{0x0013, 2, Width::value, Access::read_only},      // 40020..40023 ID
-    RegisterRun{0x0017, 4, Width::word, Access::read_only},       // 40024..40027 IA1, IA2, CM
-    RegisterRun{0x001B, 3, Width::word, Access::read_write, 240, kRate},  // 40028..40030 AC, DE, VE
-    RegisterRun{0x001E, 2, Width::value, Access::read_write},             // 40031..40034 DI, DC
-    RegisterRun{0x0022, 1, Width::word, Access::read_write, 240, kRate},  // 40035 VC
-    RegisterRun{0x0023, 5, Width::word, Access::read_only},               // 40036..40040
-    RegisterRun{0x0028, 1, Width::value, Access::read_write}};            // 40041..40042
-
-/// One table of several parts.
-template <std::size_t... Sizes>
-constexpr auto joined(const std::array<RegisterRun, Sizes>&... parts) {
-  std::array<RegisterRun, (Sizes + ...)> all{};
-  auto at = all.begin();
-  ((at = std::copy(parts.begin(), parts.end(), at)), ...);
-  return all;
-}
 
 }  // namespace mbgate::sim
