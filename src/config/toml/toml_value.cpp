@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "config/toml/toml_value.hpp"
 
+#include <algorithm>
 #include <array>
 #include <fmt/core.h>
 
@@ -31,61 +32,10 @@ constexpr std::array kDurationUnits = {
 };
 constexpr std::int64_t kLongest = 1000 * kDurationUnits[0].nanoseconds;
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-std::size_t count_digits(std::string_view text) {
-  std::size_t count = 0;
-  while (count < text.size() && is_digit(text[count])) {
-    ++count;
-  }
-  return count;
-}
-
-const Unit* find_unit(std::string_view name) {
-  for (const auto& unit : kDurationUnits) {
-    if (unit.name == name) {
-      return &unit;
-    }
-  }
-  return nullptr;
-}
-
-std::optional<std::int64_t> whole_part(std::string_view digits, std::int64_t unit) {
-  std::int64_t value = 0;
-  for (const char digit : digits) {
-    value = value * 10 + (digit - '0');
-    if (value > kLongest / unit) {
-      return std::nullopt;
-    }
-  }
-  return value * unit;
-}
-
-/// Each digit is worth a tenth of the one before; what is left below a nanosecond must be zeros.
-std::optional<std::int64_t> fraction(std::string_view digits, std::int64_t unit) {
-  std::int64_t value = 0;
-  for (const char digit : digits) {
-    const std::int64_t worth = (digit - '0') * unit;
-    if (worth % 10 != 0) {
-      return std::nullopt;
-    }
-    value += worth / 10;
-    unit = unit % 10 == 0 ? unit / 10 : 1;  // 1: only zeros may follow
-  }
-  return value;
-}
-
+/// A double holds the nanoseconds of all durations that can be parsed.
 std::string decimal(std::int64_t nanoseconds, const Unit& unit) {
-  std::string text = std::to_string(nanoseconds / unit.nanoseconds);
-  std::int64_t rest = nanoseconds % unit.nanoseconds;
-  if (rest != 0) {
-    text += '.';
-  }
-  for (std::int64_t worth = unit.nanoseconds / 10; rest != 0; worth /= 10) {
-    text += static_cast<char>('0' + rest / worth);
-    rest %= worth;
-  }
-  return text + std::string(unit.name);
+  return fmt::format(
+      "{}{}", static_cast<double>(nanoseconds) / static_cast<double>(unit.nanoseconds), unit.name);
 }
 
 }  // namespace
@@ -117,27 +67,34 @@ std::string in_quotes(std::string_view text) {
 }
 
 std::optional<std::chrono::nanoseconds> parse_duration(std::string_view text) {
-  const auto whole = text.substr(0, count_digits(text));
-  text.remove_prefix(whole.size());
-  std::string_view decimals;
-  if (text.starts_with('.')) {
-    text.remove_prefix(1);
-    decimals = text.substr(0, count_digits(text));
-    text.remove_prefix(decimals.size());
-    if (decimals.empty()) {
+  const auto number = text.substr(0, text.find_first_not_of("0123456789."));
+  const auto* const unit =
+      std::ranges::find(kDurationUnits, text.substr(number.size()), &Unit::name);
+  const auto point = std::min(number.find('.'), number.size());
+  if (unit == kDurationUnits.end() || point == 0 || point + 1 == number.size() ||
+      std::ranges::count(number, '.') > 1) {
+    return std::nullopt;
+  }
+  std::int64_t sum = 0;
+  // Each decimal is worth a tenth of the digit before; what is left below a nanosecond must be
+  // zeros.
+  std::int64_t worth = unit->nanoseconds;
+  for (std::size_t at = 0; at < number.size(); ++at) {
+    const std::int64_t digit = number[at] - '0';
+    if (at < point) {
+      sum = 10 * sum + digit * unit->nanoseconds;
+    } else if (at > point) {
+      if (digit * worth % 10 != 0) {
+        return std::nullopt;
+      }
+      sum += digit * worth / 10;
+      worth = worth % 10 == 0 ? worth / 10 : 1;  // 1: only zeros may follow
+    }
+    if (sum > kLongest) {
       return std::nullopt;
     }
   }
-  const Unit* unit = find_unit(text);
-  if (whole.empty() || unit == nullptr) {
-    return std::nullopt;
-  }
-  const auto first = whole_part(whole, unit->nanoseconds);
-  const auto second = fraction(decimals, unit->nanoseconds);
-  if (!first || !second || *first + *second > kLongest) {
-    return std::nullopt;
-  }
-  return std::chrono::nanoseconds(*first + *second);
+  return std::chrono::nanoseconds(sum);
 }
 
 std::string to_text(std::chrono::nanoseconds duration) {
