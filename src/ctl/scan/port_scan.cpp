@@ -107,9 +107,8 @@ PortScan scan_port(const ScanCommand& command, const Catalogue& catalogue, std::
     }
   };
   const auto error =
-      carry_out_sweep(sweep, {[&](const LineMode& mode) { return client.set_mode(mode); },
-                              [&](std::uint8_t unit) { return ask(unit, kSweepRead, port.wait); },
-                              [&](const Sweep& now) { show(sweep_progress(now)); }});
+      sweep.run({[&](const LineMode& mode) { return client.set_mode(mode); },
+                 [&](std::uint8_t unit) { return ask(unit, kSweepRead, port.wait); }, show});
   const auto* best = sweep.best();
   scan.notes = sweep_notes(sweep);
   if (best == nullptr || error) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <fmt/core.h>
+#include <span>
 #include <utility>
 
 #include "base/text.hpp"
@@ -45,40 +46,15 @@ std::string noise_text(const ModeFindings& found) {
   return text;
 }
 
-}  // namespace
-
-Sweep::Sweep(SweepPlan plan) : plan_(std::move(plan)) {}
-
-std::optional<Sweep::Step> Sweep::next() const {
-  if (mode_ >= plan_.port.modes.size() || plan_.units.empty()) {
-    return std::nullopt;
-  }
-  return Step{plan_.port.modes[mode_], unit_ == 0, plan_.units[unit_]};
-}
-
-bool Sweep::is_asked(std::uint8_t unit) const {
-  const auto end = plan_.units.begin() + static_cast<std::ptrdiff_t>(unit_) + 1;
-  return std::find(plan_.units.begin(), end, unit) != end;
-}
-
-void Sweep::end_mode() {
-  const bool answered = !findings_.back().units.empty();
-  mode_ = answered && !plan_.port.all_modes ? plan_.port.modes.size() : mode_ + 1;
-  unit_ = 0;
-}
-
-void Sweep::take(const Heard& heard) {
-  if (unit_ == 0) {
-    findings_.push_back({plan_.port.modes[mode_]});
-  }
-  auto& found = findings_.back();
+/// What came of the read of one unit. `asked`: all that were asked in this mode, this one last.
+void note(ModeFindings& found, std::span<const std::uint8_t> asked, const Heard& heard) {
   switch (heard.kind) {
     case HeardKind::silence: break;
-    case HeardKind::answer: insert_once(found.units, plan_.units[unit_]); break;
+    case HeardKind::answer: insert_once(found.units, asked.back()); break;
     case HeardKind::other_frame:
       insert_once(found.others, heard.unit);
       // A late answer is one too: the wait was too short, not the mode wrong.
-      if (is_asked(heard.unit)) {
+      if (std::ranges::find(asked, heard.unit) != asked.end()) {
         insert_once(found.units, heard.unit);
       }
       break;
@@ -88,15 +64,39 @@ void Sweep::take(const Heard& heard) {
   if (heard.kind == HeardKind::bad_crc || heard.kind == HeardKind::noise) {
     found.noise_bytes += heard.bytes;
   }
-  if (++unit_ == plan_.units.size()) {
-    end_mode();
-  }
 }
 
-void Sweep::refuse_mode(std::string why) {
-  findings_.push_back({plan_.port.modes[mode_]});
-  findings_.back().refusal = std::move(why);
-  end_mode();
+}  // namespace
+
+Sweep::Sweep(SweepPlan plan) : plan_(std::move(plan)) {}
+
+std::optional<std::string> Sweep::ask_all(ModeFindings& found, const SweptLine& line) {
+  for (std::size_t at = 0; at < plan_.units.size(); ++at) {
+    line.progress(fmt::format("{} ({} of {}): asking unit {}, {} found", mode_text(found.mode),
+                              findings_.size(), plan_.port.modes.size(), plan_.units[at],
+                              found.units.size()));
+    const auto heard = line.ask(plan_.units[at]);
+    if (!heard) {
+      return heard.error();
+    }
+    note(found, std::span(plan_.units).first(at + 1), *heard);
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> Sweep::run(const SweptLine& line) {
+  if (plan_.units.empty()) {
+    return std::nullopt;
+  }
+  for (const auto& mode : plan_.port.modes) {
+    ModeFindings& found = findings_.emplace_back(ModeFindings{mode});
+    found.refusal = line.set_mode(mode);
+    auto error = found.refusal ? std::nullopt : ask_all(found, line);
+    if (error || (!found.units.empty() && !plan_.port.all_modes)) {
+      return error;
+    }
+  }
+  return std::nullopt;
 }
 
 const ModeFindings* Sweep::best() const {
@@ -115,24 +115,6 @@ std::chrono::nanoseconds longest(const SweepPlan& plan) {
   return time;
 }
 
-std::optional<std::string> carry_out_sweep(Sweep& sweep, const SweptLine& line) {
-  while (const auto step = sweep.next()) {
-    if (step->sets_mode) {
-      if (auto why = line.set_mode(step->mode)) {
-        sweep.refuse_mode(*std::move(why));
-        continue;
-      }
-    }
-    line.progress(sweep);
-    const auto heard = line.ask(step->unit);
-    if (!heard) {
-      return heard.error();
-    }
-    sweep.take(*heard);
-  }
-  return std::nullopt;
-}
-
 std::string sweep_announcement(const SweepPlan& plan) {
   const auto most = std::chrono::ceil<std::chrono::seconds>(longest(plan));
   std::string text =
@@ -144,19 +126,6 @@ std::string sweep_announcement(const SweepPlan& plan) {
                         mode_text(plan.port.modes.front()));
   }
   return fmt::format("{}: {} at most; only reads are sent", text, config::to_text(most));
-}
-
-std::string sweep_progress(const Sweep& sweep) {
-  const auto step = sweep.next();
-  if (!step) {
-    return {};
-  }
-  const auto& modes = sweep.plan().port.modes;
-  const auto number = std::ranges::find(modes, step->mode) - modes.begin() + 1;
-  const bool begun = !step->sets_mode;
-  const auto found = begun ? sweep.findings().back().units.size() : 0;
-  return fmt::format("{} ({} of {}): asking unit {}, {} found", mode_text(step->mode), number,
-                     modes.size(), step->unit, found);
 }
 
 std::vector<std::string> sweep_notes(const Sweep& sweep) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds out at which rate and parity the units of a serial line answer: says which mode to set and
-// whom to ask next, and takes what was heard. It has no port and no clock.
+// Finds out at which rate and parity the units of a serial line answer. It has no port and no
+// clock: the line sets a mode, and asks a unit.
 #pragma once
 
 #include <chrono>
@@ -34,21 +34,22 @@ struct ModeFindings {
 /// What each unit is asked: nearly every one answers this, if only with an exception.
 inline constexpr modbus::TableRange kSweepRead{modbus::Table::holding_registers, 0, 1};
 
+/// The line that is swept.
+struct SweptLine {
+  /// Why the port cannot have the mode, or nothing.
+  std::function<std::optional<std::string>(const LineMode&)> set_mode;
+  /// Reads kSweepRead. The error ends the sweep.
+  std::function<Result<Heard, std::string>(std::uint8_t unit)> ask;
+  /// Called before each question: "9600 8N1 (2 of 15): asking unit 7, 0 found".
+  std::function<void(const std::string&)> progress;
+};
+
 class Sweep {
  public:
   explicit Sweep(SweepPlan plan);
 
-  struct Step {
-    LineMode mode;
-    bool sets_mode;  ///< it is the first one in this mode
-    std::uint8_t unit;
-  };
-  /// Nothing when all that is worth asking was asked.
-  [[nodiscard]] std::optional<Step> next() const;
-  /// What came after the read that next() said.
-  void take(const Heard& heard);
-  /// The port cannot have the mode that next() said: it is left out.
-  void refuse_mode(std::string why);
+  /// Asks all that is worth asking; the error is that of the line.
+  std::optional<std::string> run(const SweptLine& line);
 
   [[nodiscard]] const SweepPlan& plan() const { return plan_; }
   /// Of the modes so far, in their order.
@@ -57,39 +58,20 @@ class Sweep {
   [[nodiscard]] const ModeFindings* best() const;
 
  private:
-  [[nodiscard]] bool is_asked(std::uint8_t unit) const;
-  void end_mode();
+  std::optional<std::string> ask_all(ModeFindings& found, const SweptLine& line);
 
   SweepPlan plan_;
   std::vector<ModeFindings> findings_;  ///< the last one may be that of the mode in work
-  std::size_t mode_ = 0;                ///< of the next step
-  std::size_t unit_ = 0;                ///< of the next step
 };
 
 /// How long the sweep takes where nobody answers, and no longer where somebody does; only a line
 /// full of noise takes more.
 std::chrono::nanoseconds longest(const SweepPlan& plan);
 
-/// The line that is swept.
-struct SweptLine {
-  /// Why the port cannot have the mode, or nothing.
-  std::function<std::optional<std::string>(const LineMode&)> set_mode;
-  /// Reads kSweepRead. The error ends the sweep.
-  std::function<Result<Heard, std::string>(std::uint8_t unit)> ask;
-  /// Called before each question.
-  std::function<void(const Sweep&)> progress;
-};
-
-/// Does the steps one after the other; the error is that of the line.
-std::optional<std::string> carry_out_sweep(Sweep& sweep, const SweptLine& line);
-
 // What is said of a sweep: before it, while it runs, and after it.
 
 /// "asking 32 units at /dev/ttyUSB0 in 15 modes, 9600 8E1 first: 58s at most; only reads are sent"
 std::string sweep_announcement(const SweepPlan& plan);
-
-/// "9600 8N1 (2 of 15): asking unit 7, 0 found", of the next step.
-std::string sweep_progress(const Sweep& sweep);
 
 /// What was heard beside answers, what was not tried, and other modes with answers: a sentence
 /// each.

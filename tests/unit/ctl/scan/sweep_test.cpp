@@ -32,19 +32,19 @@ class ScriptedLine {
   void break_before(std::uint8_t unit) { broken_ = unit; }
 
   std::optional<std::string> run(Sweep& sweep) {
-    return carry_out_sweep(
-        sweep, {[this](const LineMode& mode) -> std::optional<std::string> {
-                  mode_ = mode_text(mode);
-                  return mode_ == refused_ ? std::optional<std::string>("too fast") : std::nullopt;
-                },
-                [this](std::uint8_t unit) -> Result<Heard, std::string> {
-                  if (unit == broken_) {
-                    return {boost::system::in_place_error, "the port has disappeared"};
-                  }
-                  asked.push_back(mode_ + " " + std::to_string(unit));
-                  return script_[{mode_, unit}];
-                },
-                [this](const Sweep& now) { shown.push_back(sweep_progress(now)); }});
+    return sweep.run({[this](const LineMode& mode) -> std::optional<std::string> {
+                        mode_ = mode_text(mode);
+                        return mode_ == refused_ ? std::optional<std::string>("too fast")
+                                                 : std::nullopt;
+                      },
+                      [this](std::uint8_t unit) -> Result<Heard, std::string> {
+                        if (unit == broken_) {
+                          return {boost::system::in_place_error, "the port has disappeared"};
+                        }
+                        asked.push_back(mode_ + " " + std::to_string(unit));
+                        return script_[{mode_, unit}];
+                      },
+                      [this](const std::string& text) { shown.push_back(text); }});
   }
 
   std::vector<std::string> asked;
