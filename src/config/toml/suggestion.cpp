@@ -13,76 +13,38 @@ constexpr std::size_t kMostEdits = 3;
 /// No key or name is longer; keeps the work small for whatever stands in a file.
 constexpr std::size_t kLongestWord = 64;
 
-/// A key as other programs and people call it.
+/// What other programs and people call a key.
 struct Familiar {
-  std::string_view word;
   std::string_view ours;
   std::string_view beside;  ///< a key that the table must have too, so that it is the one meant
+  std::string_view words;   ///< with blanks between and around them
 };
 
 /// The first that fits counts. An `address` is an interface beside `port`, and a drive's beside
 /// `profile`.
 constexpr std::array kFamiliar = {
-    Familiar{"baudrate", "baud", ""},
-    Familiar{"baud_rate", "baud", ""},
-    Familiar{"bitrate", "baud", ""},
-    Familiar{"speed", "baud", ""},
-    Familiar{"bits", "data_bits", ""},
-    Familiar{"bytesize", "data_bits", ""},
-    Familiar{"stopbits", "stop_bits", ""},
-    Familiar{"timeout", "response_timeout", ""},
-    Familiar{"timeout", "deadline", ""},
-    Familiar{"timeout", "idle_timeout", ""},
-    Familiar{"host", "address", "port"},
-    Familiar{"hostname", "address", "port"},
-    Familiar{"ip", "address", "port"},
-    Familiar{"bind", "address", "port"},
-    Familiar{"listen", "address", "port"},
-    Familiar{"interface", "address", "port"},
-    Familiar{"slave", "unit", ""},
-    Familiar{"slave", "address", "profile"},
-    Familiar{"slave", "device", "route"},
-    Familiar{"slave_id", "unit", ""},
-    Familiar{"slave_id", "address", "profile"},
-    Familiar{"slave_address", "address", "profile"},
-    Familiar{"unit_id", "unit", ""},
-    Familiar{"unit_id", "address", "profile"},
-    Familiar{"unit", "address", "profile"},
-    Familiar{"id", "unit", ""},
-    Familiar{"id", "address", "profile"},
-    Familiar{"station", "address", "profile"},
-    Familiar{"node", "address", "profile"},
-    Familiar{"type", "profile", ""},
-    Familiar{"model", "profile", ""},
-    Familiar{"type", "mode", ""},
-    Familiar{"protocol", "mode", ""},
-    Familiar{"framing", "mode", ""},
-    Familiar{"tty", "device", "baud"},
-    Familiar{"serial", "device", "baud"},
-    Familiar{"serial_port", "device", "baud"},
-    Familiar{"path", "device", "baud"},
-    Familiar{"tty", "bus", "route"},
-    Familiar{"serial", "bus", "route"},
-    Familiar{"line", "bus", "route"},
-    Familiar{"byte_order", "word_order", ""},
-    Familiar{"byteorder", "word_order", ""},
-    Familiar{"byte_swap", "word_order", ""},
-    Familiar{"word_swap", "word_order", ""},
-    Familiar{"swap", "word_order", ""},
-    Familiar{"endian", "word_order", ""},
-    Familiar{"endianness", "word_order", ""},
-    Familiar{"read_only", "access", ""},
-    Familiar{"readonly", "access", ""},
-    Familiar{"max_clients", "max_connections", ""},
-    Familiar{"cert", "certificate", ""},
-    Familiar{"cert_file", "certificate", ""},
-    Familiar{"key_file", "key", "authorities"},
-    Familiar{"private_key", "key", "authorities"},
-    Familiar{"ca", "authorities", ""},
-    Familiar{"ca_file", "authorities", ""},
-    Familiar{"cafile", "authorities", ""},
-    Familiar{"max_connections_per_client", "max_connections_per_address", ""},
-    Familiar{"max_connections_per_ip", "max_connections_per_address", ""},
+    Familiar{"baud", "", " baudrate baud_rate bitrate speed "},
+    Familiar{"data_bits", "", " bits bytesize "},
+    Familiar{"stop_bits", "", " stopbits "},
+    Familiar{"response_timeout", "", " timeout "},
+    Familiar{"deadline", "", " timeout "},
+    Familiar{"idle_timeout", "", " timeout "},
+    Familiar{"address", "port", " host hostname ip bind listen interface "},
+    Familiar{"unit", "", " slave slave_id unit_id id "},
+    Familiar{"address", "profile", " slave slave_id slave_address unit_id unit id station node "},
+    Familiar{"device", "route", " slave "},
+    Familiar{"profile", "", " type model "},
+    Familiar{"mode", "", " type protocol framing "},
+    Familiar{"device", "baud", " tty serial serial_port path "},
+    Familiar{"bus", "route", " tty serial line "},
+    Familiar{"word_order", "", " byte_order byteorder byte_swap word_swap swap endian endianness "},
+    Familiar{"access", "", " read_only readonly "},
+    Familiar{"max_connections", "", " max_clients "},
+    Familiar{"certificate", "", " cert cert_file "},
+    Familiar{"key", "authorities", " key_file private_key "},
+    Familiar{"authorities", "", " ca ca_file cafile "},
+    Familiar{"max_connections_per_address", "",
+             " max_connections_per_client max_connections_per_ip "},
 };
 
 /// "Baud-Rate" is "baud_rate".
@@ -151,9 +113,10 @@ std::string did_you_mean_key(std::string_view key, const std::vector<std::string
   const auto has = [&](std::string_view wanted) {
     return std::ranges::find(known, wanted) != known.end();
   };
-  const std::string word = in_our_letters(key);
+  const std::string word = fmt::format(" {} ", in_our_letters(key));
   const auto familiar = std::ranges::find_if(kFamiliar, [&](const Familiar& entry) {
-    return entry.word == word && has(entry.ours) && (entry.beside.empty() || has(entry.beside));
+    return entry.words.find(word) != entry.words.npos && has(entry.ours) &&
+           (entry.beside.empty() || has(entry.beside));
   });
   return familiar != kFamiliar.end() ? suggest(familiar->ours) : did_you_mean(key, known);
 }
