@@ -2,9 +2,12 @@
 #include "modbus/make_request.hpp"
 
 #include <boost/container/static_vector.hpp>
+#include <vector>
 
 namespace mbgate::modbus {
 namespace {
+
+constexpr std::uint16_t kCoilOn = 0xFF00;
 
 class PduWriter {
  public:
@@ -55,6 +58,23 @@ Request make_single_write(Table table, std::uint16_t address, std::uint16_t valu
 
 Request make_multiple_write(const TableRange& range, Bytes data) {
   return PduWriter(range.table == Table::coils ? 15 : 16).add(range).add_counted(data).request();
+}
+
+Request make_write(Table table, std::uint16_t first, std::span<const std::uint16_t> values,
+                   bool multiple) {
+  const bool bits = table == Table::coils;
+  if (values.size() == 1 && !multiple) {
+    return make_single_write(table, first, bits && values[0] != 0 ? kCoilOn : values[0]);
+  }
+  std::vector<std::uint8_t> data(bits ? (values.size() + 7) / 8 : 2 * values.size());
+  for (std::size_t at = 0; at < values.size(); ++at) {
+    if (!bits) {
+      store_be16(data, 2 * at, values[at]);
+    } else if (values[at] != 0) {
+      data[at / 8] = static_cast<std::uint8_t>(data[at / 8] | (1U << (at % 8)));
+    }
+  }
+  return make_multiple_write({table, first, static_cast<std::uint16_t>(values.size())}, data);
 }
 
 Request make_read_write(const TableRange& read, const TableRange& write, Bytes data) {

@@ -3,6 +3,8 @@
 // of the Application Protocol V1.1b3, section 6; register data are bytes, high byte first.
 #pragma once
 
+#include <span>
+
 #include "modbus/request.hpp"
 
 namespace mbgate::modbus {
@@ -13,6 +15,10 @@ Request make_read(const TableRange& range);
 Request make_single_write(Table table, std::uint16_t address, std::uint16_t value);
 /// 15 (bits packed as on the wire) or 16, by the table.
 Request make_multiple_write(const TableRange& range, Bytes data);
+/// 05 or 06 for one value, 15 or 16 for several, or if `multiple`. A coil is off where its value is
+/// 0.
+Request make_write(Table table, std::uint16_t first, std::span<const std::uint16_t> values,
+                   bool multiple = false);
 /// 23.
 Request make_read_write(const TableRange& read, const TableRange& write, Bytes data);
 

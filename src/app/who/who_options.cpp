@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <fmt/core.h>
+#include <vector>
 
 #include "config/toml/match_entry.hpp"
 #include "gateway/access/who.hpp"
@@ -17,7 +18,6 @@ using modbus::TableRange;
 
 constexpr std::string_view kUsage =
     "expected --read or --write, each with a table and an address, such as --write holding 124";
-constexpr unsigned kCoilOn = 0xFF00;
 
 Result<TableRange, std::string> asked_range(const WhoOptions& options) {
   const auto& words = options.read.empty() ? options.write : options.read;
@@ -36,43 +36,30 @@ Result<TableRange, std::string> asked_range(const WhoOptions& options) {
   return TableRange{table->value, *address, static_cast<std::uint16_t>(options.count)};
 }
 
-modbus::Pdu write_of(const TableRange& range, std::uint16_t value) {
-  const bool bits = range.table == Table::coils;
-  if (range.count == 1) {
-    return modbus::make_single_write(range.table, range.first, value).pdu();
-  }
-  std::vector<std::uint8_t> data(bits ? (range.count + 7U) / 8U : range.count * 2U);
-  for (std::size_t at = 0; at < data.size(); ++at) {
-    const bool high = at % 2 == 0;
-    data[at] = bits ? (value == 0 ? 0x00 : 0xFF)
-                    : static_cast<std::uint8_t>(high ? value >> 8U : value & 0xFFU);
-  }
-  return modbus::make_multiple_write(range, data).pdu();
-}
-
 Result<modbus::Pdu, std::string> asked_request(const WhoOptions& options) {
   const auto range = asked_range(options);
   if (!range) {
     return range.error();
   }
-  const bool bits = range->table == Table::coils || range->table == Table::discrete_inputs;
-  if (!options.read.empty()) {
-    const unsigned most = bits ? 2000 : 125;
-    return range->count <= most ? Result<modbus::Pdu, std::string>(modbus::make_read(*range).pdu())
-                                : fmt::format("--count: expected at most {}", most);
-  }
-  if (range->table == Table::discrete_inputs || range->table == Table::input_registers) {
+  const auto& [table, first, count] = *range;
+  const bool reads = !options.read.empty();
+  if (!reads && (table == Table::discrete_inputs || table == Table::input_registers)) {
     return "--write: expected a table that can be written, coils or holding";
   }
-  const unsigned most = bits ? 1968 : 123;
-  if (range->count > most) {
+  const drive::Limits limits;
+  const auto most = reads ? limits.read_from(table) : limits.written_to(table);
+  if (count > most) {
     return fmt::format("--count: expected at most {}", most);
   }
-  if (options.value > 0xFFFF || (bits && options.value > 1)) {
+  if (reads) {
+    return modbus::make_read(*range).pdu();
+  }
+  const bool bits = modbus::holds_bits(table);
+  if (options.value > (bits ? 1U : 0xFFFFU)) {
     return std::string(bits ? "--value: expected 0 or 1" : "--value: expected 0 to 65535");
   }
-  const unsigned value = bits && options.value != 0 ? kCoilOn : options.value;
-  return write_of(*range, static_cast<std::uint16_t>(value));
+  const std::vector<std::uint16_t> values(count, static_cast<std::uint16_t>(options.value));
+  return modbus::make_write(table, first, values).pdu();
 }
 
 std::string client_text(const WhoOptions& options, const routing::ClientRole& role) {

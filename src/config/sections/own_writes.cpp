@@ -80,16 +80,9 @@ std::optional<std::uint16_t> read_coil(TomlTable& entry) {
 /// by its `write_function`.
 Request write_as_taken(const Device& device, const modbus::TableRange& range, std::uint16_t value) {
   const auto functions = functions_for(range.table);
-  const bool chosen = device.write_function == functions.multiple;
-  if (device.profile.functions.test(functions.single) && !chosen) {
-    return modbus::make_single_write(range.table, range.first, value);
-  }
-  const auto high = static_cast<std::uint8_t>(value >> 8U);
-  const auto low = static_cast<std::uint8_t>(value & 0xFFU);
-  const std::array<std::uint8_t, 2> registers = {high, low};
-  const std::array<std::uint8_t, 1> coil = {static_cast<std::uint8_t>(value != 0 ? 1 : 0)};
-  return range.table == Table::coils ? modbus::make_multiple_write(range, coil)
-                                     : modbus::make_multiple_write(range, registers);
+  const bool multiple = device.write_function == functions.multiple ||
+                        !device.profile.functions.test(functions.single);
+  return modbus::make_write(range.table, range.first, std::array{value}, multiple);
 }
 
 std::optional<Request> read_failsafe_write(TomlTable& entry, const Device& device) {

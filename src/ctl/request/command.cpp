@@ -3,18 +3,13 @@
 
 #include <fmt/core.h>
 
+#include "drive/profile.hpp"
 #include "modbus/make_request.hpp"
 
 namespace mbgate::ctl {
 namespace {
 
-// Application Protocol V1.1b3: 6.1, 6.3, 6.11 and 6.12.
-constexpr std::size_t kMostReadBits = 2000;
-constexpr std::size_t kMostReadRegisters = 125;
-constexpr std::size_t kMostWrittenBits = 1968;
-constexpr std::size_t kMostWrittenRegisters = 123;
 constexpr std::size_t kAddresses = 65536;
-constexpr std::uint16_t kCoilOn = 0xFF00;
 
 /// Nothing if `count` values fit into one request and into the table, else what is wrong.
 std::optional<std::string> find_misfit(const Place& place, std::size_t count,
@@ -32,43 +27,11 @@ std::optional<std::string> find_misfit(const Place& place, std::size_t count,
   return std::nullopt;
 }
 
-modbus::Request write_coils(const WriteCommand& command) {
-  const std::size_t count = command.values.size();
-  if (count == 1 && !command.multiple) {
-    return modbus::make_single_write(Table::coils, command.place.address,
-                                     command.values.front() != 0 ? kCoilOn : std::uint16_t{0});
-  }
-  std::vector<std::uint8_t> bytes((count + 7) / 8);
-  for (std::size_t at = 0; at < count; ++at) {
-    if (command.values[at] != 0) {
-      bytes[at / 8] = static_cast<std::uint8_t>(bytes[at / 8] | (1U << (at % 8)));
-    }
-  }
-  return modbus::make_multiple_write(
-      {Table::coils, command.place.address, static_cast<std::uint16_t>(count)}, bytes);
-}
-
-modbus::Request write_registers(const WriteCommand& command) {
-  const auto registers = to_registers(command.place.type, command.place.order, command.values);
-  if (registers.size() == 1 && !command.multiple) {
-    return modbus::make_single_write(Table::holding_registers, command.place.address,
-                                     registers.front());
-  }
-  std::vector<std::uint8_t> bytes(2 * registers.size());
-  for (std::size_t at = 0; at < registers.size(); ++at) {
-    modbus::store_be16(bytes, 2 * at, registers[at]);
-  }
-  return modbus::make_multiple_write({Table::holding_registers, command.place.address,
-                                      static_cast<std::uint16_t>(registers.size())},
-                                     bytes);
-}
-
 }  // namespace
 
 Result<modbus::Request, std::string> make_request(const ReadCommand& command) {
-  const bool bits = modbus::holds_bits(command.place.table);
-  if (auto misfit =
-          find_misfit(command.place, command.count, bits ? kMostReadBits : kMostReadRegisters)) {
+  if (auto misfit = find_misfit(command.place, command.count,
+                                drive::Limits().read_from(command.place.table))) {
     return *misfit;
   }
   return modbus::make_read({command.place.table, command.place.address,
@@ -76,12 +39,14 @@ Result<modbus::Request, std::string> make_request(const ReadCommand& command) {
 }
 
 Result<modbus::Request, std::string> make_request(const WriteCommand& command) {
-  const bool bits = modbus::holds_bits(command.place.table);
-  if (auto misfit = find_misfit(command.place, command.values.size(),
-                                bits ? kMostWrittenBits : kMostWrittenRegisters)) {
+  const Place& place = command.place;
+  if (auto misfit =
+          find_misfit(place, command.values.size(), drive::Limits().written_to(place.table))) {
     return *misfit;
   }
-  return bits ? write_coils(command) : write_registers(command);
+  return modbus::make_write(place.table, place.address,
+                            to_registers(place.type, place.order, command.values),
+                            command.multiple);
 }
 
 std::vector<std::uint64_t> response_values(const ReadCommand& command,
