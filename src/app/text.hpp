@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The status line that `systemctl status` shows, and words, times and characters as JSON has them.
+// The status line that `systemctl status` shows, and times and characters as JSON has them.
 #pragma once
 
 #include <boost/json/array.hpp>
@@ -8,7 +8,6 @@
 #include <string>
 #include <string_view>
 
-#include "bus/settings.hpp"
 #include "gateway/gateway.hpp"
 
 namespace mbgate::app {
@@ -17,17 +16,6 @@ namespace mbgate::app {
 /// address.
 std::string status_text(const gateway::Settings& settings, const gateway::Status& status,
                         std::size_t listeners_waiting);
-
-// The framing of a line as it stands in JSON (docs/api.yaml).
-
-constexpr const char* framing_word(bus::Framing framing) {
-  switch (framing) {
-    case bus::Framing::rtu: return "rtu";
-    case bus::Framing::ascii: return "ascii";
-    case bus::Framing::tcp: return "tcp";
-  }
-  return "";
-}
 
 // Instants as text for JSON.
 

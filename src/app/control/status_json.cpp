@@ -6,6 +6,7 @@
 
 #include "app/control/control_answers.hpp"
 #include "app/text.hpp"
+#include "config/toml/match_entry.hpp"
 #include "gateway/status/diagnosis.hpp"
 
 namespace mbgate::app {
@@ -66,7 +67,7 @@ object counters_json(const bus::BusCounters& counters) {
 object bus_json(const BusStatus& bus) {
   object json{{"name", bus.name},
               {"line", bus.line},
-              {"discipline", framing_word(bus.framing)},
+              {"discipline", config::word_for(config::kFramings, bus.framing)},
               {"baud", nullptr},
               {"format", nullptr},
               {"character_ms", nullptr},

@@ -5,6 +5,7 @@
 
 #include "app/metrics/metric_book.hpp"
 #include "app/text.hpp"
+#include "config/toml/match_entry.hpp"
 
 namespace mbgate::app {
 namespace {
@@ -126,8 +127,9 @@ void add_devices(MetricBook& book, const gateway::StatusReport& report) {
 
 void add_bus(MetricBook& book, const gateway::BusStatus& bus) {
   const Labels of_bus{{"bus", bus.name}};
-  Labels info{
-      {"bus", bus.name}, {"line", valid_utf8(bus.line)}, {"framing", framing_word(bus.framing)}};
+  Labels info{{"bus", bus.name},
+              {"line", valid_utf8(bus.line)},
+              {"framing", std::string(config::word_for(config::kFramings, bus.framing))}};
   if (bus.is_serial) {
     info.push_back({"baud", std::to_string(static_cast<std::uint32_t>(bus.baud))});
     info.push_back({"format", modbus::format_text(bus.format)});

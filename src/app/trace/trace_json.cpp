@@ -8,6 +8,7 @@
 
 #include "app/text.hpp"
 #include "base/text.hpp"
+#include "config/toml/match_entry.hpp"
 #include "modbus/describe.hpp"
 #include "modbus/mbap.hpp"
 
@@ -61,7 +62,7 @@ object wire_json(const WireTrace& wire, const Clock& clock) {
   object json{{"bus", valid_utf8(wire.bus)},
               {"device", name_json(wire.device)},
               {"address", wire.address},
-              {"framing", framing_word(wire.framing)},
+              {"framing", config::word_for(config::kFramings, wire.framing)},
               {"sent", nullptr},
               {"outcome", to_text(wire.outcome)},
               {"ended_at", clock.at(wire.ended_at)},

@@ -24,16 +24,15 @@ Result<TableRange, std::string> asked_range(const WhoOptions& options) {
   if (words.size() != 2 || options.read.empty() == options.write.empty()) {
     return std::string(kUsage);
   }
-  const auto table =
-      std::ranges::find_if(config::kTables, [&](const auto& it) { return it.text == words[0]; });
+  const auto table = config::value_of(config::kTables, words[0]);
   const auto address = config::parse_register_address(words[1]);
-  if (table == config::kTables.end() || !address) {
+  if (!table || !address) {
     return std::string(kUsage);
   }
   if (options.count == 0 || *address + options.count > 0x10000U) {
     return "--count: expected 1 or more, and no address beyond 65535";
   }
-  return TableRange{table->value, *address, static_cast<std::uint16_t>(options.count)};
+  return TableRange{*table, *address, static_cast<std::uint16_t>(options.count)};
 }
 
 Result<modbus::Pdu, std::string> asked_request(const WhoOptions& options) {

@@ -14,9 +14,6 @@ using namespace std::chrono_literals;
 constexpr std::int64_t kMaxNumber = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t kLastAddress = 0xFFFF;
 
-constexpr std::array kAccesses = {Word{"r", ValueAccess::read}, Word{"w", ValueAccess::write},
-                                  Word{"rw", ValueAccess::read_write}};
-
 Source read_source(TomlTable& entry) {
   Source source;
   assign(source.name, entry.string("name"));

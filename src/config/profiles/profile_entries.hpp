@@ -3,6 +3,7 @@
 // protocol addresses. A wrong entry is reported and left out.
 #pragma once
 
+#include <array>
 #include <bitset>
 #include <cstdint>
 #include <optional>
@@ -16,6 +17,11 @@
 namespace mbgate::config {
 
 using modbus::Table;
+
+/// Who may do what with a value.
+inline constexpr std::array kAccesses = {Word{"r", ValueAccess::read},
+                                         Word{"w", ValueAccess::write},
+                                         Word{"rw", ValueAccess::read_write}};
 
 /// A profile that is being read. For entries that may clash it also has the tables that they were
 /// read from.

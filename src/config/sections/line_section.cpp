@@ -14,10 +14,6 @@ namespace {
 using bus::Framing;
 using modbus::Parity;
 
-constexpr std::array kModes = {Word{"rtu", Framing::rtu}, Word{"ascii", Framing::ascii},
-                               Word{"tcp", Framing::tcp}};
-constexpr std::array kParities = {Word{"none", Parity::none}, Word{"even", Parity::even},
-                                  Word{"odd", Parity::odd}};
 constexpr std::array kDirections = {
     Word{"off", bus::Rs485::off}, Word{"kernel", bus::Rs485::kernel}, Word{"rts", bus::Rs485::rts}};
 
@@ -189,7 +185,7 @@ void check_path(TomlTable& table, const bus::LineSettings& line) {
 
 Lines read_line(TomlTable& table, bus::BusSettings& settings) {
   const bool moded = table.has("mode");
-  const auto mode = table.word<Framing>("mode", kModes);
+  const auto mode = table.word<Framing>("mode", kFramings);
   assign(settings.line.framing, mode);
   if (moded && !mode) {
     // Nobody can say which of these keys are right; none of them is unknown.

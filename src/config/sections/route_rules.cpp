@@ -37,12 +37,12 @@ bool allow(const TomlValue& element, FunctionRules& rules) {
   if (text == nullptr) {
     return false;
   }
-  const auto* named = std::ranges::find(kSilencing, *text, &Word<bool FunctionRules::*>::text);
-  if (named == kSilencing.end()) {
+  const auto named = value_of(kSilencing, *text);
+  if (!named) {
     return false;
   }
   rules.allowed.set(kDiagnostics);
-  rules.*(named->value) = true;
+  rules.*(*named) = true;
   return true;
 }
 

@@ -173,10 +173,9 @@ void read_writer(Draft& draft, TomlTable& table, DeviceGuard& guard) {
     return;
   }
   const auto* text = std::get_if<std::string>(&found->data);
-  const auto rule = std::ranges::find_if(
-      kRules, [&](const auto& word) { return text != nullptr && *text == word.text; });
-  if (rule != kRules.end()) {
-    guard.writer = rule->value;
+  const auto rule = text != nullptr ? value_of(kRules, *text) : std::nullopt;
+  if (rule) {
+    guard.writer = *rule;
   } else if (is_empty_list(*found)) {
     table.error("writer",
                 "expected at least one address; access = \"read-only\" on the routes lets "

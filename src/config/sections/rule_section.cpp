@@ -172,13 +172,12 @@ constexpr std::string_view kExpected =
 /// "holding", "holding 124" or "holding 0x7C-0x80".
 std::optional<RegisterSpan> parse_span(std::string_view text) {
   const auto space = text.find(' ');
-  const auto word = text.substr(0, space);
-  const auto table = std::ranges::find_if(kTables, [&](const auto& it) { return it.text == word; });
-  if (table == kTables.end()) {
+  const auto table = value_of(kTables, text.substr(0, space));
+  if (!table) {
     return std::nullopt;
   }
   if (space == std::string_view::npos) {
-    return RegisterSpan{table->value};
+    return RegisterSpan{*table};
   }
   const auto addresses = text.substr(space + 1);
   const auto dash = addresses.find('-');
@@ -188,7 +187,7 @@ std::optional<RegisterSpan> parse_span(std::string_view text) {
   if (!first || !last || *last < *first) {
     return std::nullopt;
   }
-  return RegisterSpan{table->value, *first, *last};
+  return RegisterSpan{*table, *first, *last};
 }
 
 }  // namespace
@@ -213,10 +212,8 @@ RegisterSet read_rule_registers(TomlTable& table) {
   RegisterSet set;
   for (const auto& [text, position] :
        table.strings("registers").value_or(std::vector<TomlText>())) {
-    const auto named =
-        std::ranges::find_if(kNamedRegisters, [&](const auto& it) { return it.text == text; });
-    if (named != kNamedRegisters.end()) {
-      set.*(named->value) = true;
+    if (const auto named = value_of(kNamedRegisters, text)) {
+      set.*(*named) = true;
     } else if (const auto span = parse_span(text)) {
       set.spans.push_back(*span);
     } else {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 
+#include "bus/settings.hpp"
 #include "config/toml/toml_reader.hpp"
 #include "drive/profile.hpp"
 #include "drive/word_order.hpp"
@@ -45,15 +46,15 @@ inline constexpr std::array kRegisterTables = {Word{"input", modbus::Table::inpu
 inline constexpr std::array kWordOrders = {Word{"big", drive::WordOrder::big},
                                            Word{"little", drive::WordOrder::little}};
 
+inline constexpr std::array kParities = {Word{"none", modbus::Parity::none},
+                                         Word{"even", modbus::Parity::even},
+                                         Word{"odd", modbus::Parity::odd}};
+inline constexpr std::array kFramings = {Word{"rtu", bus::Framing::rtu},
+                                         Word{"ascii", bus::Framing::ascii},
+                                         Word{"tcp", bus::Framing::tcp}};
+
 /// "coils", "discrete", "input" or "holding".
-constexpr std::string_view table_word(modbus::Table table) {
-  for (const auto& word : kTables) {
-    if (word.value == table) {
-      return word.text;
-    }
-  }
-  return {};
-}
+constexpr std::string_view table_word(modbus::Table table) { return word_for(kTables, table); }
 
 /// The address of a register or coil: decimal, or hexadecimal behind 0x; nothing if it is neither.
 std::optional<std::uint16_t> parse_register_address(std::string_view text);

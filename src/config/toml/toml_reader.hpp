@@ -15,6 +15,8 @@
 //   settings
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -58,6 +60,21 @@ struct Word {
   std::string_view text;
   Value value;
 };
+
+/// The word for a value; empty if it has none.
+template <typename Value, std::size_t kSize>
+constexpr std::string_view word_for(const std::array<Word<Value>, kSize>& words, Value value) {
+  const auto* const word = std::ranges::find(words, value, &Word<Value>::value);
+  return word == words.end() ? std::string_view() : word->text;
+}
+
+/// What the word stands for; nothing if it is none of these.
+template <typename Value, std::size_t kSize>
+constexpr std::optional<Value> value_of(const std::array<Word<Value>, kSize>& words,
+                                        std::string_view text) {
+  const auto* const word = std::ranges::find(words, text, &Word<Value>::text);
+  return word == words.end() ? std::nullopt : std::optional(word->value);
+}
 
 class TomlDocument;
 

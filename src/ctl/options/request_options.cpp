@@ -73,10 +73,8 @@ void add_place(CLI::App& command, PlaceWords& words, const std::vector<std::stri
 // What words mean that CLI11 has let through.
 Place place_of(const PlaceWords& words) {
   Place place;
-  place.table = std::ranges::find(config::kTables, words.table, [](const auto& it) {
-                  return it.text;
-                })->value;
-  place.order = words.order == "big" ? drive::WordOrder::big : drive::WordOrder::little;
+  place.table = *config::value_of(config::kTables, words.table);
+  place.order = *config::value_of(config::kWordOrders, words.order);
   const bool bits = modbus::holds_bits(place.table);
   if (bits && !words.type.empty()) {
     throw WrongUsage("--type is for registers: " + words.table + " hold bits");

@@ -3,6 +3,7 @@
 #include <ranges>
 #include <utility>
 
+#include "config/profiles/profile_entries.hpp"
 #include "config/toml/match_entry.hpp"
 #include "config/toml/toml_value.hpp"
 #include "ctl/profile/profile_text.hpp"
@@ -139,7 +140,7 @@ void add_registers_of_order(json::object& object, const drive::Profile& profile)
 json::object entries_json(const ProfileFile& file) {
   const auto values = array_of(file.values, [&](const config::ProfileValue& value) {
     auto object = range_json(file, value.value.range());
-    object["access"] = access_text(value.access);
+    object["access"] = config::word_for(config::kAccesses, value.access);
     object["motion"] = value.value.motion;
     return with_source(std::move(object), value.source);
   });

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/text.hpp"
+#include "config/profiles/profile_entries.hpp"
 #include "config/profiles/profile_library.hpp"
 #include "config/toml/match_entry.hpp"
 #include "config/toml/toml_value.hpp"
@@ -131,7 +132,8 @@ void add_values(std::string& text, const ProfileFile& file, Table table, unsigne
   for (const auto& [value, access, source] : file.values) {
     if (value.table == table && value.registers == registers) {
       rows.push_back({std::to_string(value.first), file.number(table, value.first),
-                      std::string(access_text(access)), line_text(source.line),
+                      std::string(config::word_for(config::kAccesses, access)),
+                      line_text(source.line),
                       name_text(source, value.motion ? "starts motion" : "")});
     }
   }
@@ -174,15 +176,6 @@ int list(config::ProfileLibrary& library, bool as_json, std::ostream& out, std::
 }
 
 }  // namespace
-
-std::string_view access_text(config::ValueAccess access) {
-  switch (access) {
-    case config::ValueAccess::read: return "r";
-    case config::ValueAccess::write: return "w";
-    case config::ValueAccess::read_write: return "rw";
-  }
-  return {};
-}
 
 std::string profile_text(const config::ProfileFile& file) {
   std::string text = profile_head(file);

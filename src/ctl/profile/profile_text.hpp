@@ -33,8 +33,6 @@ std::vector<unsigned> codes_in(const std::bitset<Size>& set) {
 std::string hex(unsigned number);
 /// "holding registers"
 std::string_view table_name(modbus::Table table);
-/// "r", "w" or "rw".
-std::string_view access_text(config::ValueAccess access);
 /// A line of the manual, or nothing.
 std::string line_text(const std::optional<std::uint32_t>& line);
 /// Register numbers as in the manual: "40005", "40005-40006".

@@ -99,10 +99,11 @@ boost::json::object unit_json(const FoundUnit& unit) {
 }
 
 boost::json::value line_json(const FoundLine& line) {
-  return boost::json::object{{"device", line.device},
-                             {"baud", static_cast<std::uint32_t>(line.mode.baud)},
-                             {"parity", parity_word(line.mode.format.parity)},
-                             {"stop_bits", line.mode.format.stop_bits}};
+  return boost::json::object{
+      {"device", line.device},
+      {"baud", static_cast<std::uint32_t>(line.mode.baud)},
+      {"parity", config::word_for(config::kParities, line.mode.format.parity)},
+      {"stop_bits", line.mode.format.stop_bits}};
 }
 
 }  // namespace
@@ -128,9 +129,9 @@ std::string scan_table(const ScanResult& result) {
 }
 
 std::string line_head(const FoundLine& line) {
-  return fmt::format("{}, {} baud, parity {}, stop bits {}:\n", line.device,
-                     fmt::underlying(line.mode.baud), parity_word(line.mode.format.parity),
-                     line.mode.format.stop_bits);
+  return fmt::format(
+      "{}, {} baud, parity {}, stop bits {}:\n", line.device, fmt::underlying(line.mode.baud),
+      config::word_for(config::kParities, line.mode.format.parity), line.mode.format.stop_bits);
 }
 
 bool word_order_unknown(const Identification& identification) {

@@ -60,7 +60,8 @@ parity = {}
 stop_bits = {}
 )",
                      in_quotes(line.device), better, fmt::underlying(baud),
-                     in_quotes(parity_word(format.parity)), format.stop_bits);
+                     in_quotes(config::word_for(config::kParities, format.parity)),
+                     format.stop_bits);
 }
 
 std::string source_of(const FoundUnit& unit) {

@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "base/text.hpp"
+#include "config/toml/match_entry.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -50,15 +51,6 @@ auto parse_list(std::string_view text, Parse parse) {
 std::optional<std::uint32_t> number_of(std::string_view text, std::uint32_t most) {
   const auto number = integer_in<std::uint32_t>(text);
   return number >= 1U && *number <= most ? number : std::nullopt;
-}
-
-std::optional<Parity> parity_of(std::string_view word) {
-  for (const auto parity : {Parity::even, Parity::none, Parity::odd}) {
-    if (parity_word(parity) == word) {
-      return parity;
-    }
-  }
-  return std::nullopt;
 }
 
 }  // namespace
@@ -159,15 +151,6 @@ std::string mode_text(const LineMode& mode) {
   return fmt::format("{} {}", fmt::underlying(mode.baud), modbus::format_text(mode.format));
 }
 
-std::string_view parity_word(Parity parity) {
-  switch (parity) {
-    case Parity::none: return "none";
-    case Parity::even: return "even";
-    case Parity::odd: return "odd";
-  }
-  return {};
-}
-
 Result<std::vector<LineMode>, std::string> parse_modes(std::string_view bauds,
                                                        std::string_view parities,
                                                        std::string_view stop_bits) {
@@ -175,7 +158,8 @@ Result<std::vector<LineMode>, std::string> parse_modes(std::string_view bauds,
   if (!stops) {
     return fmt::format("\"{}\" is not a list of stop bits: 1, 2 or 1,2", stop_bits);
   }
-  const auto asked = parse_list(parities, &parity_of);
+  const auto asked =
+      parse_list(parities, [](auto word) { return config::value_of(config::kParities, word); });
   if (!asked) {
     return fmt::format("\"{}\" is not a list of parities: even, none, odd, with commas", parities);
   }

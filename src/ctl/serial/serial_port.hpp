@@ -26,9 +26,6 @@ struct LineMode {
 /// "9600 8E1"
 std::string mode_text(const LineMode& mode);
 
-/// "even", "none" or "odd", as a configuration has it.
-std::string_view parity_word(modbus::Parity parity);
-
 /// Every rate with every parity, in the order of the lists: "9600,19200", "even,none,odd" and "1",
 /// "2" or "1,2". The stop bits are those without a parity: with one there is always 1. The error is
 /// a full sentence.

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "config/toml/toml_reader.hpp"
+#include "config/toml/match_entry.hpp"
 
 namespace mbgate::sim {
 namespace {
@@ -17,8 +17,6 @@ using config::Word;
 using modbus::Parity;
 using namespace std::chrono_literals;
 
-constexpr std::array kParities = {Word{"none", Parity::none}, Word{"even", Parity::even},
-                                  Word{"odd", Parity::odd}};
 constexpr std::array kModes = {Word{"rtu", BusMode::rtu}, Word{"ascii", BusMode::ascii},
                                Word{"tcp", BusMode::tcp}};
 constexpr std::array kModels = {Word{"moons", ModelKind::moons},
@@ -28,8 +26,6 @@ constexpr std::array kSeries = {Word{"st", MoonsSeries::st},   Word{"stb", Moons
                                 Word{"stf", MoonsSeries::stf}, Word{"ssdc", MoonsSeries::ssdc},
                                 Word{"m2", MoonsSeries::m2},   Word{"m3", MoonsSeries::m3},
                                 Word{"mdx", MoonsSeries::mdx}, Word{"bldc", MoonsSeries::bldc}};
-constexpr std::array kOrders = {Word{"big", drive::WordOrder::big},
-                                Word{"little", drive::WordOrder::little}};
 
 std::string read_name(TomlTable& table) {
   table.require("name");
@@ -66,7 +62,7 @@ void read_framing(TomlTable& table, BusMode mode, WireSettings& wire) {
 
 void read_wire(TomlTable& table, WireSettings& wire) {
   config::assign(wire.baud, table.integer("baud", {1, std::numeric_limits<std::uint32_t>::max()}));
-  config::assign(wire.format.parity, table.word<Parity>("parity", kParities));
+  config::assign(wire.format.parity, table.word<Parity>("parity", config::kParities));
   config::assign(wire.format.stop_bits, table.integer("stop_bits", {1, 2}));
   config::assign(wire.adapter_latency, table.duration("adapter_latency", {0s, 1s}));
   wire.gap = table.duration("gap", {0s, 1s});
@@ -95,7 +91,8 @@ void read_model(TomlTable& table, DeviceSettings& device) {
   table.require("model");
   const auto model = table.word<ModelKind>("model", kModels);
   config::assign(device.model, model);
-  config::assign(device.word_order, table.word<drive::WordOrder>("word_order", kOrders));
+  config::assign(device.word_order,
+                 table.word<drive::WordOrder>("word_order", config::kWordOrders));
   config::assign(device.series, table.word<MoonsSeries>("series", kSeries));
   for (const std::string_view key : {"word_order", "series"}) {
     if (model && *model != ModelKind::moons && table.has(key)) {
