@@ -18,10 +18,6 @@ constexpr std::uint16_t kProgram = 4;
 constexpr std::uint32_t kEmergencyStopError = 1U << 13U;  // 301011
 constexpr std::uint32_t kAlarmOutput = 1U << 0U;          // 301015
 
-bool is_supported(std::uint8_t function) {
-  return (function >= 0x01 && function <= 0x06) || function == 0x10;
-}
-
 std::optional<modbus::TableRange> range_of(const modbus::Request& request) {
   if (request.reads()) {
     return request.reads()->range;
@@ -48,17 +44,12 @@ AicDrive::AicDrive()
       input_(aic_registers(Table::input_registers), drive::WordOrder::big) {}
 
 Reaction AicDrive::answer(const modbus::Pdu& pdu) {
-  const std::uint8_t function = pdu.function();
   // The wait that was in force when the request came: a new one counts from the next on.
   const Duration wait = response_wait();
-  if (!is_supported(function)) {
-    return {exception(function, 0x01), wait};
-  }
-  const auto request = modbus::Request::parse(pdu);
-  if (!request) {
-    return {modbus::Pdu::exception(function, request.error()), wait};
-  }
-  return {respond(*request), wait};
+  const auto request = request_of(pdu, {0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x10});
+  Reaction reaction = request ? Reaction{respond(*request)} : request.error();
+  reaction.delay = wait;
+  return reaction;
 }
 
 Reaction AicDrive::hear_broadcast(const modbus::Pdu& pdu) {

@@ -41,14 +41,11 @@ Reaction Fda6000Drive::answer(const modbus::Pdu& pdu) {
   if (is_own_function(function)) {
     return {pdu};
   }
-  if (function != 0x03 && function != 0x06 && function != 0x10) {
-    return {exception(function, refusal_of(function))};
-  }
-  const auto request = modbus::Request::parse(pdu);
+  const auto request = request_of(pdu, {0x03, 0x06, 0x10}, refusal_of(function));
   if (!request) {
-    return {modbus::Pdu::exception(function, request.error())};
+    return request.error();
   }
-  return function == 0x03 ? Reaction{serve_read(*request, registers_, kFdaRules)} : write(*request);
+  return request->reads() ? Reaction{serve_read(*request, registers_, kFdaRules)} : write(*request);
 }
 
 Reaction Fda6000Drive::hear_broadcast(const modbus::Pdu& /*pdu*/) { return {}; }

@@ -56,15 +56,11 @@ MoonsDrive::MoonsDrive(MoonsSeries series, drive::WordOrder order)
 }
 
 Reaction MoonsDrive::answer(const modbus::Pdu& pdu) {
-  const std::uint8_t function = pdu.function();
-  if (function != 0x03 && function != 0x06 && function != 0x10) {
-    return {exception(function, 0x01)};
-  }
-  const auto request = modbus::Request::parse(pdu);
+  const auto request = request_of(pdu, {0x03, 0x06, 0x10});
   if (!request) {
-    return {modbus::Pdu::exception(function, request.error())};
+    return request.error();
   }
-  return {function == 0x03 ? serve_read(*request, registers_, kMoonsRules) : write(*request)};
+  return {request->reads() ? serve_read(*request, registers_, kMoonsRules) : write(*request)};
 }
 
 Reaction MoonsDrive::hear_broadcast(const modbus::Pdu& pdu) {
@@ -94,14 +90,8 @@ modbus::Pdu MoonsDrive::write(const modbus::Request& request) {
 }
 
 bool MoonsDrive::knows_opcode(const modbus::Request& request) const {
-  const modbus::TableRange& range = request.writes()->range;
-  if (!touches(range, kMoonsOpcode)) {
-    return true;
-  }
-  const auto place = static_cast<std::size_t>(kMoonsOpcode - range.first);
-  const std::size_t offset = request.function() == 0x06 ? 3 : 6 + 2 * place;
-  const std::uint16_t opcode = modbus::load_be16(request.pdu().bytes(), offset);
-  return std::ranges::binary_search(kOpcodes, opcode);
+  const auto opcode = request.written(kMoonsOpcode);
+  return !opcode || std::ranges::binary_search(kOpcodes, *opcode);
 }
 
 void MoonsDrive::execute(std::uint16_t opcode) {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/drives/register_service.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace mbgate::sim {
 namespace {
-
-constexpr std::uint16_t kCoilOn = 0xFF00;
 
 void append_registers(std::vector<std::uint8_t>& bytes, const Registers& words) {
   bytes.push_back(static_cast<std::uint8_t>(words.size() * 2));
@@ -40,16 +39,11 @@ ExceptionByte code_of(Refusal refusal, const RegisterRules& rules) {
 }
 
 Registers written_words(const modbus::Request& request) {
-  const modbus::Bytes pdu = request.pdu().bytes();
-  if (request.function() == 0x05) {
-    return {static_cast<std::uint16_t>(modbus::load_be16(pdu, 3) == kCoilOn ? 1 : 0)};
-  }
-  if (request.function() == 0x06) {
-    return {modbus::load_be16(pdu, 3)};
-  }
+  const modbus::TableRange& range = request.writes()->range;
   Registers words;
-  for (std::size_t offset = 6; offset + 1 < pdu.size(); offset += 2) {
-    words.push_back(modbus::load_be16(pdu, offset));
+  for (std::size_t at = 0; at < range.count; ++at) {
+    const std::uint16_t word = *request.written(static_cast<std::uint16_t>(range.first + at));
+    words.push_back(range.table == modbus::Table::coils && word != 0 ? 1 : word);
   }
   return words;
 }
@@ -58,6 +52,19 @@ modbus::Pdu exception(std::uint8_t function, ExceptionByte code) {
   const std::array<std::uint8_t, 2> bytes{
       static_cast<std::uint8_t>(function | modbus::kExceptionBit), code};
   return *modbus::Pdu::from(bytes);
+}
+
+Result<modbus::Request, Reaction> request_of(const modbus::Pdu& pdu,
+                                             std::initializer_list<std::uint8_t> functions,
+                                             ExceptionByte refusal) {
+  if (std::ranges::find(functions, pdu.function()) == functions.end()) {
+    return Reaction{exception(pdu.function(), refusal)};
+  }
+  const auto request = modbus::Request::parse(pdu);
+  if (!request) {
+    return Reaction{modbus::Pdu::exception(pdu.function(), request.error())};
+  }
+  return *request;
 }
 
 modbus::Pdu serve_read(const modbus::Request& request, const RegisterBank& bank,

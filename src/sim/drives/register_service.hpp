@@ -4,6 +4,7 @@
 // commands.
 #pragma once
 
+#include <initializer_list>
 #include <optional>
 
 #include "modbus/pdu.hpp"
@@ -41,6 +42,12 @@ struct RegisterRules {
 ExceptionByte code_of(Refusal refusal, const RegisterRules& rules);
 
 modbus::Pdu exception(std::uint8_t function, ExceptionByte code);
+
+/// A request of one of the `functions` that the drive has; else the exception that it answers,
+/// which is `refusal` for another function.
+Result<modbus::Request, Reaction> request_of(const modbus::Pdu& pdu,
+                                             std::initializer_list<std::uint8_t> functions,
+                                             ExceptionByte refusal = 0x01);
 
 /// Answers functions 01 to 04 from `bank`. The request must have reads().
 modbus::Pdu serve_read(const modbus::Request& request, const RegisterBank& bank,

@@ -21,18 +21,14 @@ constexpr std::uint32_t kRestartBits = 0xFF00;
 StepperDrive::StepperDrive() : registers_(stepper_registers(), drive::WordOrder::little) {}
 
 Reaction StepperDrive::answer(const modbus::Pdu& pdu) {
-  const std::uint8_t function = pdu.function();
-  if (function != 0x03 && function != 0x04 && function != 0x06 && function != 0x10) {
-    return {exception(function, 0x01)};
-  }
-  const auto request = modbus::Request::parse(pdu);
+  const auto request = request_of(pdu, {0x03, 0x04, 0x06, 0x10});
   if (!request) {
-    return {modbus::Pdu::exception(function, request.error())};
+    return request.error();
   }
   if (request->writes()) {
     return write(*request);
   }
-  return {serve_read(*request, registers_, function == 0x04 ? kSingleRules : kStepperRules)};
+  return {serve_read(*request, registers_, pdu.function() == 0x04 ? kSingleRules : kStepperRules)};
 }
 
 Reaction StepperDrive::hear_broadcast(const modbus::Pdu& pdu) {
