@@ -26,8 +26,9 @@ RegisterBank::RegisterBank(RegisterMap map, drive::WordOrder order)
     : runs_(map.begin(), map.end()), order_(order) {
   for (const RegisterRun& run : runs_) {
     offsets_.push_back(values_.size());
-    values_.insert(values_.end(), run.entries, run.initial);
+    values_.resize(values_.size() + run.entries);
   }
+  restore_initial();
 }
 
 Result<Registers, Refusal> RegisterBank::read(std::uint16_t first, std::uint16_t count) const {
@@ -93,8 +94,9 @@ void RegisterBank::set(std::uint16_t address, std::uint32_t value) {
 
 void RegisterBank::restore_initial() {
   for (std::size_t i = 0; i < runs_.size(); ++i) {
-    std::fill_n(values_.begin() + static_cast<std::ptrdiff_t>(offsets_[i]), runs_[i].entries,
-                runs_[i].initial);
+    for (std::uint32_t entry = 0; entry < runs_[i].entries; ++entry) {
+      values_[offsets_[i] + entry] = runs_[i].initial + entry * runs_[i].step;
+    }
   }
 }
 

@@ -36,6 +36,7 @@ struct RegisterRun {
   Access access = Access::read_write;
   std::uint32_t initial = 0;
   std::optional<Limits> limits = std::nullopt;
+  std::uint32_t step = 0;  ///< by which each entry is higher than the one before it, at first
 };
 
 /// Runs in ascending order, without overlaps.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/drives/maps/fda6000_map.hpp"
 
-#include <algorithm>
 #include <array>
 
 namespace mbgate::sim {
@@ -18,7 +17,7 @@ constexpr Limits kUnsigned{0, 0xFFFF};
 constexpr Limits kSigned{-32768, 32767};
 
 // Where two ranges are printed, the second one is what fits into the register.
-constexpr std::array kParameters{
+constexpr std::array kRegisters{
     // The examples of 6.2 and 6.3 write here, though the map begins with St-01.
     RegisterRun{0x0001, 2, word, read_write},
     RegisterRun{0x000A, 9, word, read_only},  // St-01 to St-09
@@ -83,34 +82,10 @@ constexpr std::array kParameters{
     RegisterRun{0x0192, 1, word, read_write, 0xFFFF, kUnsigned},
     RegisterRun{0x0193, 1, word, read_write, 0, Limits{0, 5}},
     RegisterRun{0x0194, 2, word, read_write, 0, kMilliseconds},
-    RegisterRun{0x0196, 1, word, read_write, 0, kMilliseconds}};
-
-constexpr std::uint16_t kPositions = 32;
-
-// P5-01 is 10 at first, P5-02 is 20, and so on.
-constexpr std::array<RegisterRun, kPositions> make_positions() {
-  std::array<RegisterRun, kPositions> runs{};
-  for (std::uint16_t i = 0; i < kPositions; ++i) {
-    runs[i] = {static_cast<std::uint16_t>(kFdaFirstPosition + i),
-               1,
-               word,
-               read_write,
-               100U * (i + 1U),
-               kSigned};
-  }
-  return runs;
-}
-
-constexpr auto make_registers() {
-  std::array<RegisterRun, kParameters.size() + kPositions + 1> runs{};
-  const auto positions = make_positions();
-  auto* end = std::ranges::copy(kParameters, runs.begin()).out;
-  end = std::ranges::copy(positions, end).out;
-  *end = {kFdaOperatorCommand, 1, word, read_write};
-  return runs;
-}
-
-constexpr auto kRegisters = make_registers();
+    RegisterRun{0x0196, 1, word, read_write, 0, kMilliseconds},
+    // P5-01 is 10 at first, P5-02 is 20, and so on.
+    RegisterRun{kFdaFirstPosition, 32, word, read_write, 100, kSigned, 100},
+    RegisterRun{kFdaOperatorCommand, 1, word, read_write}};
 
 }  // namespace
 
