@@ -2,6 +2,9 @@
 #include "sim/wire/request_framer.hpp"
 
 #include <utility>
+#include <vector>
+
+#include "modbus/response.hpp"
 
 namespace mbgate::sim {
 namespace {
@@ -9,12 +12,7 @@ namespace {
 // More than two of the largest frames without one that holds is noise.
 constexpr std::size_t kMostBytes = 2 * modbus::kMaxRtuSize;
 
-std::optional<std::size_t> counted(modbus::Bytes prefix, std::size_t count_at) {
-  if (prefix.size() <= count_at) {
-    return std::nullopt;
-  }
-  return count_at + 1 + prefix[count_at] + 2;
-}
+constexpr std::uint8_t kDiagnostics = 0x08;
 
 }  // namespace
 
@@ -22,30 +20,14 @@ std::optional<std::size_t> request_frame_length(modbus::Bytes prefix) {
   if (prefix.size() < 2) {
     return std::nullopt;
   }
-  switch (prefix[1]) {
-    case 0x01:
-    case 0x02:
-    case 0x03:
-    case 0x04:
-    case 0x05:
-    case 0x06:
-    case 0x08:
-    case 0x85:
-    case 0x86: return 8;
-    case 0x07:
-    case 0x0B:
-    case 0x0C:
-    case 0x11: return 4;
-    case 0x0F:
-    case 0x10:
-    case 0x90: return counted(prefix, 6);
-    case 0x14:
-    case 0x15: return counted(prefix, 2);
-    case 0x16: return 10;
-    case 0x17: return counted(prefix, 10);
-    case 0x18: return 6;
-    default: return std::nullopt;
+  std::vector<std::uint8_t> pdu(prefix.begin() + 1, prefix.end());
+  pdu[0] = static_cast<std::uint8_t>(pdu[0] & ~modbus::kExceptionBit);  // of the AiC's broadcasts
+  if (pdu[0] == kDiagnostics) {
+    return 8;  // with two bytes of data, which nearly all its sub-functions have
   }
+  const auto length = modbus::request_length(pdu);
+  return length.kind == modbus::PduLength::Kind::known ? std::optional(1 + length.bytes + 2)
+                                                       : std::nullopt;
 }
 
 void RequestFramer::feed(modbus::Bytes bytes, Instant now) {
