@@ -29,9 +29,7 @@ constexpr std::array kOrders = {Word{"big", OrderOfMaker::big},
 
 void read_texts(ProfileDraft& draft) {
   auto& file = draft.file;
-  for (const auto* key : {"name", "description", "manual"}) {
-    draft.root.require(key);
-  }
+  draft.root.require_all({"name", "description", "manual"});
   const auto name = draft.root.string("name");
   assign(file.profile.name, name);
   const auto stem = std::filesystem::path(draft.document.name()).stem().string();
@@ -124,10 +122,8 @@ void read_broadcast(ProfileDraft& draft) {
         static_cast<std::uint8_t>(table->integer("function_or", {0, 255}).value_or(0));
     broadcast.only = table->boolean("only").value_or(true);
   }
-  for (const char* key : {"address", "function_or", "only"}) {
-    if (form && form != FormWord::own && table->has(key)) {
-      table->error(key, R"(belongs to form = "own")");
-    }
+  if (form && form != FormWord::own) {
+    table->reject({"address", "function_or", "only"}, R"(belongs to form = "own")");
   }
   if (const auto most = table->integer("most_registers", {1, 123})) {
     broadcast.most_registers = static_cast<std::uint16_t>(*most);
@@ -181,9 +177,7 @@ void read_position_opcodes(ProfileDraft& draft) {
   if (!table) {
     return;
   }
-  for (const auto* key : {"register", "position"}) {
-    table->require(key);
-  }
+  table->require_all({"register", "position"});
   const auto address = read_register(draft.file, *table, "register", Table::holding_registers);
   const auto position = read_register(draft.file, *table, "position", Table::holding_registers);
   auto opcodes = read_codes(*table, "opcodes");

@@ -103,10 +103,9 @@ void read_peer(Draft& draft, TomlTable& table, bus::LineSettings& line, Lines li
   const auto tls = find_named(table, "tls", draft.settings.tls);
   const auto server_name = table.string("server_name");
   const bool is_server = lines == Lines::server;
-  for (const auto* key : {"tls", "server_name"}) {
-    if (table.has(key) && !is_server && lines != Lines::any) {
-      table.error(key, R"(belongs to mode = "tcp": a serial device server speaks no TLS)");
-    }
+  if (!is_server && lines != Lines::any) {
+    table.reject({"tls", "server_name"},
+                 R"(belongs to mode = "tcp": a serial device server speaks no TLS)");
   }
   if (is_server && table.has("server_name") && !table.has("tls")) {
     table.error("server_name", "is the name in the certificate of the server: expected 'tls' too");

@@ -169,9 +169,7 @@ void read_tls(Draft& draft) {
     TlsSettings tls;
     draft.tls.push_back(table);
     tls.name = read_name(draft.tls, draft.settings.tls);
-    for (const auto* key : {"certificate", "key", "authorities"}) {
-      table.require(key);
-    }
+    table.require_all({"certificate", "key", "authorities"});
     read_certificates(table, "certificate", tls.certificate);
     read_private_key(table, tls);
     read_certificates(table, "authorities", tls.authorities);

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <fmt/core.h>
-#include <span>
 
 #include "base/text.hpp"
 #include "config/sections/sections.hpp"
@@ -20,8 +19,9 @@ constexpr std::array kDirections = {
 constexpr std::string_view kScheme = "tcp://";
 
 /// Keys of serial lines, and of a Modbus TCP server, that are no plain ones.
-constexpr std::array kSerialKeys = {"device", "data_bits", "parity", "rs485", "echo", "paced"};
-constexpr std::array kServerKeys = {"host", "port"};
+constexpr std::initializer_list<const char*> kSerialKeys = {"device", "data_bits", "parity",
+                                                            "rs485",  "echo",      "paced"};
+constexpr std::initializer_list<const char*> kServerKeys = {"host", "port"};
 
 void read_device(TomlTable& table, bus::LineSettings& line) {
   if (!table.require("device")) {
@@ -65,10 +65,9 @@ void read_character(TomlTable& table, bus::LineSettings& line) {
 /// Direction control by the kernel, where it differs from the device tree.
 void read_direction(TomlTable& table, bus::LineSettings& line) {
   assign(line.rs485, table.word<bus::Rs485>("rs485", kDirections));
-  for (const auto* key : {"rs485_rts_on_send", "rs485_delay_before", "rs485_delay_after"}) {
-    if (table.has(key) && line.rs485 != bus::Rs485::kernel) {
-      table.error(key, "belongs to rs485 = \"kernel\"");
-    }
+  if (line.rs485 != bus::Rs485::kernel) {
+    table.reject({"rs485_rts_on_send", "rs485_delay_before", "rs485_delay_after"},
+                 "belongs to rs485 = \"kernel\"");
   }
 }
 
@@ -89,16 +88,6 @@ void read_switch(TomlTable& table, const char* key, std::optional<bool>& target)
   }
 }
 
-/// Reports those of `keys` that are there.
-void report_misplaced(TomlTable& table, std::span<const char* const> keys,
-                      std::string_view message) {
-  for (const auto* key : keys) {
-    if (table.has(key)) {
-      table.error(key, message);
-    }
-  }
-}
-
 void read_serial(TomlTable& table, bus::LineSettings& line) {
   read_character(table, line);
   read_direction(table, line);
@@ -109,9 +98,8 @@ void read_serial(TomlTable& table, bus::LineSettings& line) {
                 "the serial device server switches the direction itself: expected \"off\"");
   }
   check_habits(table, line);
-  report_misplaced(
-      table, kServerKeys,
-      R"(belongs to mode = "tcp"; a serial device server is device = "tcp://host:port")");
+  table.reject(kServerKeys,
+               R"(belongs to mode = "tcp"; a serial device server is device = "tcp://host:port")");
 }
 
 void read_server(TomlTable& table, bus::LineSettings& line) {
@@ -124,8 +112,7 @@ void read_server(TomlTable& table, bus::LineSettings& line) {
   }
   assign(server.port, table.integer("port", {1, 65535}));
   line.remote = std::move(server);
-  report_misplaced(table, kSerialKeys,
-                   "belongs to a serial line; a Modbus TCP server has 'host' and 'port'");
+  table.reject(kSerialKeys, "belongs to a serial line; a Modbus TCP server has 'host' and 'port'");
 }
 
 /// What Linux has names for from 300 baud on (termios.h), and what else UARTs and drives offer.
@@ -189,12 +176,8 @@ Lines read_line(TomlTable& table, bus::BusSettings& settings) {
   assign(settings.line.framing, mode);
   if (moded && !mode) {
     // Nobody can say which of these keys are right; none of them is unknown.
-    for (const auto* key : kSerialKeys) {
-      table.has(key);
-    }
-    for (const auto* key : kServerKeys) {
-      table.has(key);
-    }
+    table.accept(kSerialKeys);
+    table.accept(kServerKeys);
     read_keys(table, bus_keys(), settings);
     return Lines::any;
   }

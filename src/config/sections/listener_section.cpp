@@ -27,12 +27,11 @@ void read_address(TomlTable& table, ListenerSettings& listener) {
 
 void read_handshakes(Draft& draft, TomlTable& table, ListenerSettings& listener) {
   listener.tls = find_named(table, "tls", draft.settings.tls);
-  for (const auto* key :
-       {"handshake_timeout", "hello_timeout", "max_handshakes", "max_handshakes_per_client",
-        "max_handshakes_per_second", "max_handshakes_per_second_per_client"}) {
-    if (!table.has("tls") && table.has(key)) {
-      table.error(key, "belongs to a listener with 'tls'");
-    }
+  if (!table.has("tls")) {
+    table.reject(
+        {"handshake_timeout", "hello_timeout", "max_handshakes", "max_handshakes_per_client",
+         "max_handshakes_per_second", "max_handshakes_per_second_per_client"},
+        "belongs to a listener with 'tls'");
   }
 }
 
@@ -81,10 +80,9 @@ void read_transparent(Draft& draft, TomlTable& table, ListenerSettings& listener
   assign(listener.broadcast_reply,
          table.word<BroadcastReply>("broadcast_reply", kBroadcastReplies));
   assign(listener.broadcast_mixed, table.boolean("broadcast_mixed"));
-  for (const auto* key : {"broadcast", "broadcast_mixed", "broadcast_reply"}) {
-    if (!transparent && table.has(key)) {
-      table.error(key, "belongs to a listener with 'bus'; here, a [[route]] with unit = 0 does it");
-    }
+  if (!transparent) {
+    table.reject({"broadcast", "broadcast_mixed", "broadcast_reply"},
+                 "belongs to a listener with 'bus'; here, a [[route]] with unit = 0 does it");
   }
   if (!listener.broadcast || !listener.bus) {
     return;
@@ -161,8 +159,7 @@ void read_listeners(Draft& draft) {
 void read_clients(Draft& draft) {
   std::vector<TomlTable> tables;  // beside settings.weights
   for (auto table : draft.document.root().tables("client")) {
-    table.require("address");
-    table.require("weight");
+    table.require_all({"address", "weight"});
     const auto text = table.string("address");
     const auto weight = table.integer("weight", {1, 100});
     const auto network =

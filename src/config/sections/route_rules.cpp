@@ -111,9 +111,7 @@ Table read_to_table(TomlTable& window, std::optional<Table> table, bool broadcas
 
 /// Nothing if a number is missing or wrong.
 std::optional<AddressWindow> read_window(TomlTable& window, bool broadcast) {
-  for (const auto* key : {"table", "from", "count", "to"}) {
-    window.require(key);
-  }
+  window.require_all({"table", "from", "count", "to"});
   const auto table = read_table(window, "table", broadcast);
   const auto to_table = read_to_table(window, table, broadcast);
   const auto from = window.integer("from", {0, kTableSize - 1});

@@ -87,12 +87,9 @@ void read_bus(Draft& draft, TomlTable& table, const UnitRange& units, Route& rou
 
 void read_unicast_target(Draft& draft, TomlTable& table, const UnitRange& units, Route& route) {
   const bool to_device = table.has("device");
-  for (const auto* key : {"broadcast", "broadcast_mixed", "broadcast_reply"}) {
-    if (table.has(key)) {
-      table.error(key, units.first == 0 ? "a route with 'device' is not a broadcast"
-                                        : "belongs to a route with unit = 0");
-    }
-  }
+  table.reject({"broadcast", "broadcast_mixed", "broadcast_reply"},
+               units.first == 0 ? "a route with 'device' is not a broadcast"
+                                : "belongs to a route with unit = 0");
   const bool to_bus = table.has("bus");
   if (to_device && to_bus) {
     table.error("bus", "a route leads to a device or to a bus, not to both");
@@ -155,14 +152,6 @@ void read_broadcast_target(Draft& draft, TomlTable& table, Route& route) {
   }
 }
 
-/// Without a usable unit nobody can say which of these keys are right; none of them is unknown.
-void accept_target_keys(TomlTable& table) {
-  for (const auto* key :
-       {"device", "bus", "address", "broadcast", "broadcast_mixed", "broadcast_reply"}) {
-    table.has(key);
-  }
-}
-
 using gateway::DeviceGuard;
 using gateway::WriterRule;
 
@@ -221,7 +210,8 @@ void read_routes(Draft& draft) {
     Route route;
     read_listener(draft, table, route);
     const auto units = read_unit(draft, table, route);
-    accept_target_keys(table);
+    // Without a usable unit nobody can say which of these are right; none of them is unknown.
+    table.accept({"device", "bus", "address", "broadcast", "broadcast_mixed", "broadcast_reply"});
     const bool broadcast = units && units->first == 0 && !table.has("device");
     if (broadcast) {
       read_broadcast_target(draft, table, route);

@@ -21,6 +21,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fmt/core.h>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <span>
@@ -91,6 +92,12 @@ class TomlTable {
   bool has(std::string_view key);
   /// Reports the key as missing if it is not there.
   bool require(std::string_view key);
+  /// The same of each of the keys.
+  void require_all(std::initializer_list<const char*> keys);
+  /// Reports those of the keys that are there.
+  void reject(std::initializer_list<const char*> keys, std::string_view message);
+  /// Makes the keys known, present or not.
+  void accept(std::initializer_list<const char*> keys);
   /// The value of a key that may have several types; nullptr if absent.
   const TomlValue* value(std::string_view key);
   /// Where the value of a key is; the table's position if the key is absent.

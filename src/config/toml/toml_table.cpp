@@ -85,6 +85,22 @@ bool TomlTable::require(std::string_view key) {
   return false;
 }
 
+void TomlTable::require_all(std::initializer_list<const char*> keys) {
+  std::ranges::for_each(keys, [this](const auto* key) { require(key); });
+}
+
+void TomlTable::reject(std::initializer_list<const char*> keys, std::string_view message) {
+  for (const auto* key : keys) {
+    if (has(key)) {
+      error(key, message);
+    }
+  }
+}
+
+void TomlTable::accept(std::initializer_list<const char*> keys) {
+  std::ranges::for_each(keys, [this](const auto* key) { has(key); });
+}
+
 Position TomlTable::value_position(std::string_view key) const {
   const auto* entry = find_entry(*node_, key);
   return entry == nullptr ? position() : entry->value.position;

@@ -94,10 +94,8 @@ void read_model(TomlTable& table, DeviceSettings& device) {
   config::assign(device.word_order,
                  table.word<drive::WordOrder>("word_order", config::kWordOrders));
   config::assign(device.series, table.word<MoonsSeries>("series", kSeries));
-  for (const std::string_view key : {"word_order", "series"}) {
-    if (model && *model != ModelKind::moons && table.has(key)) {
-      table.error(key, "belongs to a \"moons\" drive");
-    }
+  if (model && *model != ModelKind::moons) {
+    table.reject({"word_order", "series"}, "belongs to a \"moons\" drive");
   }
 }
 
@@ -170,15 +168,6 @@ void read_listen(TomlTable& table, const std::vector<BusSettings>& buses, BusSet
   }
 }
 
-void refuse_wire(TomlTable& table) {
-  for (const std::string_view key : {"baud", "parity", "data_bits", "stop_bits", "adapter_latency",
-                                     "gap", "echo", "echo_delay"}) {
-    if (table.has(key)) {
-      table.error(key, "a \"tcp\" bus is not a serial line");
-    }
-  }
-}
-
 BusSettings read_bus(TomlTable& table, const std::vector<BusSettings>& buses) {
   BusSettings bus{.name = read_name(table)};
   check_unique(table, buses, bus.name);
@@ -190,7 +179,9 @@ BusSettings read_bus(TomlTable& table, const std::vector<BusSettings>& buses) {
   }
   config::assign(bus.wire.paced, table.boolean("paced"));
   if (bus.mode == BusMode::tcp) {
-    refuse_wire(table);
+    table.reject({"baud", "parity", "data_bits", "stop_bits", "adapter_latency", "gap", "echo",
+                  "echo_delay"},
+                 "a \"tcp\" bus is not a serial line");
   } else {
     read_framing(table, bus.mode, bus.wire);
     read_wire(table, bus.wire);
