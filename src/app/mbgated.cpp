@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 #include <sysexits.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -12,6 +13,7 @@
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -66,9 +68,11 @@ Configuration load(const Options& options) {
                          : config::read_config_files(options.config);
   Configuration configuration;
   configuration.loaded = config::load_settings(files, {.folder = options.profiles});
-  configuration.digest = config_digest(files, configuration.loaded.profiles);
-  configuration.digested = options.text ? "these options, --print-config | sha256sum"
-                                        : digest_command(files, configuration.loaded.profiles);
+  auto digested = files;
+  std::ranges::copy(configuration.loaded.profiles, std::back_inserter(digested));
+  configuration.digest = config_digest(digested);
+  configuration.digested =
+      options.text ? "these options, --print-config | sha256sum" : digest_command(digested);
   if (configuration.loaded.settings && !options.print) {
     configuration.tls =
         io::load_tls(*configuration.loaded.settings,

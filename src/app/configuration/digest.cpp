@@ -26,24 +26,18 @@ std::string word(const std::string& path) {
 
 }  // namespace
 
-std::string config_digest(const std::vector<config::TextFile>& files,
-                          const std::vector<config::TextFile>& profiles) {
-  std::vector<std::string_view> texts;
-  for (const auto* const group : {&files, &profiles}) {
-    for (const config::TextFile& file : *group) {
-      texts.emplace_back(file.text);
-    }
+std::string config_digest(const std::vector<config::TextFile>& files) {
+  std::string text;
+  for (const config::TextFile& file : files) {
+    text += file.text;
   }
-  return io::sha256(texts);
+  return io::sha256(text);
 }
 
-std::string digest_command(const std::vector<config::TextFile>& files,
-                           const std::vector<config::TextFile>& profiles) {
+std::string digest_command(const std::vector<config::TextFile>& files) {
   std::string command = "cat";
-  for (const auto* const group : {&files, &profiles}) {
-    for (const config::TextFile& file : *group) {
-      command += " " + word(file.name);
-    }
+  for (const config::TextFile& file : files) {
+    command += " " + word(file.name);
   }
   return command + " | sha256sum";
 }

@@ -12,12 +12,10 @@ namespace mbgate::app {
 
 /// Of the files one behind the other: the main file, those of conf.d, those of the profiles that it
 /// uses, in the order of digest_command().
-std::string config_digest(const std::vector<config::TextFile>& files,
-                          const std::vector<config::TextFile>& profiles);
+std::string config_digest(const std::vector<config::TextFile>& files);
 
 /// What says the same in a shell: "cat /etc/mbgate/mbgate.toml ... | sha256sum".
-std::string digest_command(const std::vector<config::TextFile>& files,
-                           const std::vector<config::TextFile>& profiles);
+std::string digest_command(const std::vector<config::TextFile>& files);
 
 /// For the journal. `before`: of the configuration that was in force until now; empty: there was
 /// none.

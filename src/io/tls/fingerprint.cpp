@@ -7,7 +7,7 @@
 #include <array>
 #include <ctime>
 #include <fmt/chrono.h>
-#include <memory>
+#include <span>
 
 #include "base/assert.hpp"
 #include "base/text.hpp"
@@ -42,8 +42,6 @@ std::string list_text(X509_CRL& list) {
   return fmt::format("{}{} revoked, {}", made_at(list), count, hex_pairs(digest, size));
 }
 
-constexpr std::size_t kSize = 32;
-
 }  // namespace
 
 std::string fingerprint(const X509& certificate) {
@@ -64,18 +62,13 @@ std::string lists_text(const std::vector<sys::CrlHandle>& lists) {
   return text.empty() ? "none" : text;
 }
 
-std::string sha256(std::span<const std::string_view> texts) {
-  const std::unique_ptr<EVP_MD_CTX, sys::FreeWith<EVP_MD_CTX_free>> context(EVP_MD_CTX_new());
-  bool good = context && EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) == 1;
-  for (const std::string_view text : texts) {
-    good = good && EVP_DigestUpdate(context.get(), text.data(), text.size()) == 1;
-  }
-  std::array<unsigned char, kSize> digest{};
-  good = good && EVP_DigestFinal_ex(context.get(), digest.data(), nullptr) == 1;
-  MBGATE_ASSERT(good, "OpenSSL has SHA-256");
-  return fmt::format("{:02x}", fmt::join(digest, ""));
+std::string sha256(std::string_view text) {
+  Digest digest{};
+  unsigned size = 0;
+  const int done =
+      EVP_Digest(text.data(), text.size(), digest.data(), &size, EVP_sha256(), nullptr);
+  MBGATE_ASSERT(done == 1, "OpenSSL has SHA-256");
+  return fmt::format("{:02x}", fmt::join(std::span(digest).first(size), ""));
 }
-
-std::string sha256(std::string_view text) { return sha256(std::span(&text, 1)); }
 
 }  // namespace mbgate::io

@@ -4,7 +4,6 @@
 // print it.
 #pragma once
 
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,8 +21,7 @@ std::string lists_text(const std::vector<sys::CrlHandle>& lists);
 
 // SHA-256 (FIPS 180-4) of text, for what is shown and compared with sha256sum(1).
 
-/// Of the texts one behind the other: 64 hexadecimal digits in lower case.
-std::string sha256(std::span<const std::string_view> texts);
+/// 64 hexadecimal digits in lower case.
 std::string sha256(std::string_view text);
 
 }  // namespace mbgate::io
