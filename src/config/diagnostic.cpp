@@ -38,15 +38,16 @@ std::string caret_indent(std::string_view line, std::uint32_t column) {
   return indent;
 }
 
-std::string place_of_key(const Draft& draft, TomlTable& table, std::string_view key) {
-  return table.has(key) ? line_of(draft, table.value_position(key)) : std::string();
-}
-
-RoutePlaces places_of_route(const Draft& draft, TomlTable& table) {
-  auto windows = table.tables("registers");
-  return {line_of(draft, table.value_position("access")),
-          line_of(draft, table.value_position("functions")),
-          line_of(draft, windows.empty() ? table.position() : windows.front().position())};
+/// Of the keys that are there.
+void add_places(const Draft& draft, std::vector<TomlTable>& tables,
+                std::initializer_list<std::string_view> keys, KeyPlaces& places) {
+  for (std::size_t at = 0; at < tables.size(); ++at) {
+    for (const auto key : keys) {
+      if (tables[at].has(key)) {
+        places[{key, at}] = line_of(draft, tables[at].value_position(key));
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -85,15 +86,15 @@ bool has_errors(const std::vector<Diagnostic>& diagnostics) {
 
 KeyPlaces find_key_places(Draft& draft) {
   KeyPlaces places;
-  for (TomlTable& table : draft.listeners) {
-    places.listeners.push_back(
-        {place_of_key(draft, table, "allow"), place_of_key(draft, table, "read_only")});
-  }
-  for (TomlTable& table : draft.routes) {
-    places.routes.push_back(places_of_route(draft, table));
-  }
-  for (TomlTable& table : draft.devices) {
-    places.writers.push_back(place_of_key(draft, table, "writer"));
+  add_places(draft, draft.listeners, {"allow", "read_only"}, places);
+  add_places(draft, draft.devices, {"writer"}, places);
+  for (std::size_t at = 0; at < draft.routes.size(); ++at) {
+    TomlTable& route = draft.routes[at];
+    const auto windows = route.tables("registers");
+    places[{"access", at}] = line_of(draft, route.value_position("access"));
+    places[{"functions", at}] = line_of(draft, route.value_position("functions"));
+    places[{"windows", at}] =
+        line_of(draft, windows.empty() ? route.position() : windows.front().position());
   }
   return places;
 }

@@ -4,9 +4,13 @@
 #pragma once
 
 #include <compare>
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string>
+#include <string_view>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace mbgate::config {
@@ -50,26 +54,10 @@ std::string render(const std::vector<Diagnostic>& diagnostics);
 /// Is one of them an error?
 bool has_errors(const std::vector<Diagnostic>& diagnostics);
 
-// The places of keys that deny requests, such as "mbgate.toml:12". The gateway does not need them;
-// `--check --who` names them.
-
-/// Empty: the key is not there.
-struct ListenerPlaces {
-  std::string allow;
-  std::string read_only;
-};
-
-/// Of a key that is not there, where the route begins.
-struct RoutePlaces {
-  std::string access;
-  std::string functions;
-  std::string windows;  ///< the first of them
-};
-
-struct KeyPlaces {
-  std::vector<ListenerPlaces> listeners{};
-  std::vector<RoutePlaces> routes{};
-  std::vector<std::string> writers{};  ///< of the devices
-};
+/// The places of keys that deny requests, such as "mbgate.toml:12", by the key ("allow" and
+/// "read_only" of listeners, "access", "functions" and "windows" of routes, "writer" of devices)
+/// and the index of its entry. Where a route does not have the key, it is the place of the route.
+/// The gateway does not need them; `--check --who` names them.
+using KeyPlaces = std::map<std::pair<std::string_view, std::size_t>, std::string>;
 
 }  // namespace mbgate::config

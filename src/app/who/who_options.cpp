@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/who/who_options.hpp"
 
-#include <algorithm>
+#include <array>
 #include <fmt/core.h>
 #include <vector>
 
@@ -84,16 +84,12 @@ std::string asked_text(const WhoOptions& options, const std::string& client,
 // Where the key stands that has denied it, if that is known.
 std::string place_text(const config::KeyPlaces& places, const gateway::DenyingKey& key) {
   using enum gateway::DenyingKey::Name;
-  std::string place;
-  switch (key.name) {
-    case allow: place = places.listeners.at(key.entry).allow; break;
-    case read_only: place = places.listeners.at(key.entry).read_only; break;
-    case access: place = places.routes.at(key.entry).access; break;
-    case functions: place = places.routes.at(key.entry).functions; break;
-    case windows: place = places.routes.at(key.entry).windows; break;
-    case writer: place = places.writers.at(key.entry); break;
-  }
-  return place.empty() ? place : fmt::format(" ({})", place);
+  using config::Word;
+  constexpr std::array kWords = {Word{"allow", allow},     Word{"read_only", read_only},
+                                 Word{"access", access},   Word{"functions", functions},
+                                 Word{"windows", windows}, Word{"writer", writer}};
+  const auto place = places.find({word_for(kWords, key.name), key.entry});
+  return place == places.end() ? "" : fmt::format(" ({})", place->second);
 }
 
 std::string answer_text(const gateway::WhoAnswer& answer, const config::KeyPlaces& places) {

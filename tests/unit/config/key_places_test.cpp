@@ -48,24 +48,21 @@ device = "y"
 TEST(KeyPlaces, AreThoseOfTheKeysBesideTheSettings) {
   const auto loaded = test::load_settings_text("x.toml", kPlaced);
   ASSERT_TRUE(loaded.settings) << render(loaded.diagnostics);
-  const KeyPlaces& places = loaded.places;
-  ASSERT_EQ(places.listeners.size(), 2U);
-  EXPECT_EQ(places.listeners[0].allow, "x.toml:4");
-  EXPECT_EQ(places.listeners[0].read_only, "x.toml:5");
-  EXPECT_EQ(places.listeners[1].allow, "");
-  EXPECT_EQ(places.listeners[1].read_only, "");
-  EXPECT_EQ(places.writers, (std::vector<std::string>{"x.toml:18", ""}));
-  ASSERT_EQ(places.routes.size(), 2U);
-  EXPECT_EQ(places.routes[0].access, "x.toml:26");
-  EXPECT_EQ(places.routes[0].functions, "x.toml:27");
-  EXPECT_EQ(places.routes[0].windows, "x.toml:28");
-  EXPECT_EQ(places.routes[1].functions, "x.toml:33");
+  EXPECT_EQ(loaded.places, (KeyPlaces{{{"allow", 0}, "x.toml:4"},
+                                      {{"read_only", 0}, "x.toml:5"},
+                                      {{"writer", 0}, "x.toml:18"},
+                                      {{"access", 0}, "x.toml:26"},
+                                      {{"functions", 0}, "x.toml:27"},
+                                      {{"windows", 0}, "x.toml:28"},
+                                      {{"access", 1}, "x.toml:33"},
+                                      {{"functions", 1}, "x.toml:33"},
+                                      {{"windows", 1}, "x.toml:33"}}));
 }
 
 TEST(KeyPlaces, AreNoneOfWhatIsWrong) {
   const auto loaded = test::load_settings_text("x.toml", std::string(kPlaced) + "deadline = 5\n");
   EXPECT_FALSE(loaded.settings);
-  EXPECT_TRUE(loaded.places.listeners.empty());
+  EXPECT_TRUE(loaded.places.empty());
 }
 
 }  // namespace

@@ -20,8 +20,11 @@ gateway::Settings two_listeners() {
   return settings;
 }
 
-const config::KeyPlaces kPlaces{.listeners = {{"x.toml:3", "x.toml:4"}, {}},
-                                .routes = {{"x.toml:10", "x.toml:11", "x.toml:12"}}};
+const config::KeyPlaces kPlaces{{{"allow", 0}, "x.toml:3"},
+                                {{"read_only", 0}, "x.toml:4"},
+                                {{"access", 0}, "x.toml:10"},
+                                {{"functions", 0}, "x.toml:11"},
+                                {{"windows", 0}, "x.toml:12"}};
 
 std::string answer(const WhoOptions& options) {
   const auto answers = answer_who(two_listeners(), kPlaces, options);
