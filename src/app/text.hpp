@@ -17,8 +17,6 @@ namespace mbgate::app {
 std::string status_text(const gateway::Settings& settings, const gateway::Status& status,
                         std::size_t listeners_waiting);
 
-// Instants as text for JSON.
-
 /// "2026-11-24T22:10:00", in UTC, the second that has begun; what follows it, and the final Z, are
 /// the caller's.
 std::string utc_second(std::chrono::system_clock::time_point instant);
@@ -27,9 +25,8 @@ std::string utc_millisecond(std::chrono::system_clock::time_point instant);
 /// "2026-11-24T22:10:00.123456Z"
 std::string utc_microsecond(std::chrono::system_clock::time_point instant);
 
-// Makes UTF-8, which JSON requires, of any bytes, such as a path of the file system.
-
-/// The text, with U+FFFD in place of each byte that is no part of a valid character (RFC 3629).
+/// Any bytes, such as a path of the file system, as UTF-8, which JSON requires: the text, with
+/// U+FFFD in place of each byte that is no part of a valid character (RFC 3629).
 std::string valid_utf8(std::string_view text);
 
 /// What `to_json` makes of each item.

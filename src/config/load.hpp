@@ -52,10 +52,8 @@ Loaded load_settings(const std::filesystem::path& path, ProfileSearch search = {
 /// folder of the file that it stands in.
 Loaded load_settings(const std::vector<TextFile>& files, ProfileSearch search = {});
 
-// The summary that --check prints for a configuration without errors.
-
-/// "configuration ok: 2 listeners, 1 bus, 3 devices, 2 routes", and a line for each of its needs.
-/// `settings`: as they were read.
+/// What --check prints for a configuration without errors: "configuration ok: 2 listeners, 1 bus,
+/// 3 devices, 2 routes", and a line for each of its needs. `settings`: as they were read.
 std::string check_summary(const gateway::Settings& settings);
 
 // What a configuration needs from the system beyond the service as it is shipped, such as a port

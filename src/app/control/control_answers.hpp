@@ -40,8 +40,7 @@ bool is_command_failed(const HttpRequest& request, boost::beast::http::status st
 /// "POST /api/v1/reload was answered 403 Forbidden". What a client names is cut.
 std::string denied_text(const HttpRequest& request, boost::beast::http::status status);
 
-// The status report as JSON (docs/api.yaml).
-
+/// The status report as JSON (docs/api.yaml).
 boost::json::object status_json(const gateway::StatusReport& report, const ProcessStatus& process);
 
 }  // namespace mbgate::app

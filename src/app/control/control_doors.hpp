@@ -83,11 +83,9 @@ class ControlDoors {
   std::set<routing::ClientAddress> reported_;  ///< addresses that refused_ was called for
 };
 
-// The socket that mbgatectl talks to: a Unix socket in the file system, which its owner and group
-// may use.
-
-/// Listens at `path`. What an ended process has left there is replaced. The error says why not, in
-/// a sentence that names the path.
+/// Listens at `path`, for mbgatectl: a Unix socket, which its owner and group may use. What an
+/// ended process has left there is replaced. The error says why not, in a sentence that names the
+/// path.
 Result<boost::asio::local::stream_protocol::acceptor, std::string> open_control_socket(
     boost::asio::io_context& context, const std::string& path);
 

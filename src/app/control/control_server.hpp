@@ -93,10 +93,8 @@ class ControlServer {
   std::optional<std::chrono::steady_clock::time_point> last_at_;
 };
 
-// A question from one thread to another. The coroutine that asks waits for the answer, up to a
-// limit.
-
-/// `home` is the context of the thread that asks.
+/// A question from one thread to another. The coroutine that asks waits for the answer, up to a
+/// limit. `home` is the context of the thread that asks.
 template <typename Value>
 class Question {
  public:

@@ -21,8 +21,7 @@
 
 namespace mbgate::app {
 
-// A client's connection to the HTTP interface, over the Unix socket or over TCP.
-
+/// A client's connection to the HTTP interface, over the Unix socket or over TCP.
 using ControlStream = boost::beast::basic_stream<boost::asio::generic::stream_protocol>;
 
 /// How long a client may take for its request, or for taking what is sent to it.

@@ -17,9 +17,6 @@
 
 namespace mbgate::app {
 
-// What the process reports in addition to the machine's status: version, configuration,
-// certificates.
-
 /// Of a [[tls]] in use.
 struct CertificateStatus {
   std::string name;
@@ -28,6 +25,7 @@ struct CertificateStatus {
   std::optional<std::chrono::system_clock::time_point> crl_ends{};
 };
 
+/// What the process reports in addition to the machine's status.
 struct ProcessStatus {
   std::string version;
   std::string config;  ///< path of the configuration file

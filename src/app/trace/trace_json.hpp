@@ -22,8 +22,7 @@ const char* trace_kind(const gateway::TraceRecord& record);
 boost::json::object trace_json(const gateway::TraceRecord& record,
                                std::chrono::system_clock::time_point epoch);
 
-// Selects the records of a trace that a reader asks for.
-
+/// Selects the records of a trace that a reader asks for.
 struct TraceFilter {
   std::optional<std::string> bus;     ///< name; it was to go there, or was heard there
   std::optional<std::string> device;  ///< name; it was to go there

@@ -98,8 +98,7 @@ LatencyFacts look_at_latency(const std::string& device);
 /// What is at the other end of a pseudo-terminal is a program, which has both ends open.
 [[nodiscard]] bool is_pseudo_terminal(const std::string& device);
 
-// Classifies the bytes that were heard on an idle line.
-
+/// What was heard on an idle line.
 struct IdleLine {
   std::vector<std::uint8_t> heard{};  ///< the first bytes; of a line full of noise not all
   std::size_t bytes = 0;              ///< all that came
@@ -131,10 +130,8 @@ Finding echo_finding(const LinePlan& plan, const std::vector<UnitTrials>& units)
 /// Nothing is claimed that another cause could explain as well.
 Finding addresses_finding(const std::vector<UnitTrials>& units);
 
-// What is to be said of how well and how soon each unit answers. Where causes look alike, all of
-// them are named.
-
-/// One for each unit, in their order. Each was asked at least once.
+/// How well and how soon each unit answers, in their order; each was asked at least once. Where
+/// causes look alike, all of them are named.
 std::vector<Finding> answer_findings(const LinePlan& plan, const std::vector<UnitTrials>& units);
 
 }  // namespace mbgate::ctl

@@ -47,8 +47,6 @@ struct UnitTrials {
   std::vector<Trial> trials{};
 };
 
-// The trials of one unit, counted.
-
 /// What came of the trials of one unit.
 struct Tally {
   std::size_t asked = 0;

@@ -84,8 +84,6 @@ void add_control(CLI::App& command, std::string& socket);
 /// The server; its unit is not set.
 Target target_of(const ServerWords& words);
 
-// Parses the command line of mbgatectl: "mbgatectl read holding 0x1E --type i32 --unit 1".
-
 /// Text to print instead of running a command: help or the version (status 0), or an error (status
 /// 2).
 struct Notice {
@@ -93,7 +91,7 @@ struct Notice {
   std::string text;
 };
 
-/// `version` is what --version prints.
+/// Parses "mbgatectl read holding 0x1E --type i32 --unit 1". `version` is what --version prints.
 std::variant<Command, Notice> parse_command_line(const std::string& version, int count,
                                                  const char* const* arguments);
 

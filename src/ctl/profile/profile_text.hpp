@@ -15,8 +15,6 @@
 
 namespace mbgate::ctl {
 
-// Parts of the text.
-
 /// The numbers from 1 on whose bits are set: function codes, exceptions.
 template <std::size_t Size>
 std::vector<unsigned> codes_in(const std::bitset<Size>& set) {

@@ -57,8 +57,6 @@ int run(const TraceCommand& command, std::ostream& out, std::ostream& errors);
 /// the request.
 std::string explain_exception(std::uint8_t code, bool is_write);
 
-// The result of a read or a write, as lines for people or as one JSON object.
-
 /// The values that were read: "30: 200000 (0x00030D40)" a line, or the plain values, or
 /// {"unit":1,"table":"holding","values":[{"address":30,"value":200000}]}.
 std::string read_report(const ReadCommand& command, std::span<const std::uint64_t> values);

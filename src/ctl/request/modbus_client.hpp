@@ -47,8 +47,6 @@ class ModbusClient {
   Context context_;
 };
 
-// The connection to a server, as long as several requests use it.
-
 /// Why a command was not carried out.
 struct Failure {
   int status;  ///< of the program
@@ -56,6 +54,7 @@ struct Failure {
   std::optional<std::uint8_t> exception{};  ///< its code, if one came
 };
 
+/// The connection to a server, as long as several requests use it.
 class Connection {
  public:
   explicit Connection(Target target) : target_(std::move(target)) {}

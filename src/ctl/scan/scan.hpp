@@ -52,8 +52,6 @@ Answer answer_of(const modbus::TableRange& read, const modbus::Pdu& response);
 /// is a full sentence.
 Result<std::vector<std::uint8_t>, std::string> parse_units(std::string_view text);
 
-// Scans the line at a serial port, without a gateway: finds the mode, then identifies the units.
-
 /// A serial port, and the mode in which its units answered.
 struct FoundLine {
   std::string device;
@@ -67,6 +65,7 @@ struct PortScan {
   std::vector<std::string> notes{};  ///< what else was heard: a sentence each
 };
 
+/// Scans the line at a serial port, without a gateway: finds the mode, then identifies the units.
 /// `command` has a port. Says on `errors` how long it takes at most, and how far it is. SIGINT and
 /// SIGTERM end it with what was found.
 PortScan scan_port(const ScanCommand& command, const Catalogue& catalogue, std::ostream& errors);

@@ -68,8 +68,6 @@ class Sweep {
 /// full of noise takes more.
 std::chrono::nanoseconds longest(const SweepPlan& plan);
 
-// What is said of a sweep: before it, while it runs, and after it.
-
 /// "asking 32 units at /dev/ttyUSB0 in 15 modes, 9600 8E1 first: 58s at most; only reads are sent"
 std::string sweep_announcement(const SweepPlan& plan);
 

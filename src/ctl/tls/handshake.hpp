@@ -64,8 +64,6 @@ class TlsTunnel {
   std::thread thread_;
 };
 
-// The role in a client's certificate (routing/client_role), in words.
-
 /// The role in the first certificate of a file, as a gateway reads it: "operator" in quotes, or
 /// "none: ..."; empty if the file has no certificate.
 std::string role_in_file(const std::filesystem::path& file);

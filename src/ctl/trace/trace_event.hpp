@@ -76,9 +76,8 @@ TraceEvent parse_trace(const std::string& data);
 /// All bytes that were heard, one behind the other.
 ByteString all_heard(const TracedFrame& frame);
 
-// A record of a trace as lines for people, suited to grep: failures have the word FAILED.
-
-/// With a newline behind each line; the times are local ones.
+/// A record of a trace as lines for people, suited to grep: failures have the word FAILED. With a
+/// newline behind each line; the times are local ones.
 std::string trace_lines(const TraceEvent& event);
 
 /// "3 records are missing here: ..."

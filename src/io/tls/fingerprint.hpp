@@ -19,9 +19,7 @@ std::string fingerprints(const std::vector<sys::CertificateHandle>& certificates
 /// "2026-11-28 07:12:31 UTC, 3 revoked, 1A:2B:...": when it was made, and how many it names.
 std::string lists_text(const std::vector<sys::CrlHandle>& lists);
 
-// SHA-256 (FIPS 180-4) of text, for what is shown and compared with sha256sum(1).
-
-/// 64 hexadecimal digits in lower case.
+/// SHA-256 (FIPS 180-4) of a text: 64 hexadecimal digits in lower case, as sha256sum(1) has them.
 std::string sha256(std::string_view text);
 
 }  // namespace mbgate::io

@@ -59,9 +59,8 @@ class SignerClient {
   sys::UniqueFd socket_;
 };
 
-// A private key for OpenSSL that is not in this process: whatever needs it asks mbgate-signer.
-
-/// A key of RSA or EC, as `signer` has it. Nothing if OpenSSL does not take it.
+/// A private key of RSA or EC that is not in this process: whatever needs it asks `signer`. Nothing
+/// if OpenSSL does not take it.
 sys::KeyHandle remote_key(std::shared_ptr<SignerClient> signer);
 
 }  // namespace mbgate::io

@@ -14,10 +14,9 @@
 
 namespace mbgate::sim {
 
-// What a drive does about a request that it has received.
-
 using modbus::Duration;
 
+/// What a drive does about a request that it has received.
 struct Reaction {
   std::optional<modbus::Pdu> response;  ///< nothing: the drive does not answer
   Duration delay{0};                    ///< what the work takes, besides the usual processing time
