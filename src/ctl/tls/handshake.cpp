@@ -19,7 +19,7 @@
 
 #include "ctl/visible_text.hpp"
 #include "routing/client_role.hpp"
-#include "sys/tls_pump.hpp"
+#include "sys/tls_stream.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -17,7 +17,7 @@
 #include "io/blocking_calls.hpp"
 #include "io/tls/pem_files.hpp"
 #include "io/tls/signer_client.hpp"
-#include "sys/tls_pump.hpp"
+#include "sys/tls_stream.hpp"
 
 namespace mbgate::io {
 
