@@ -17,7 +17,6 @@
 
 #include "io/advice.hpp"
 #include "io/lines/line.hpp"
-#include "io/lines/tcp_options.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::io {

@@ -1,17 +1,116 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a name to the addresses that are tried.
+// From a name to the addresses that are tried; the options and TLS of a connection.
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 
+#include <algorithm>
+#include <array>
 #include <boost/asio/experimental/awaitable_operators.hpp>
 #include <boost/asio/post.hpp>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <fmt/core.h>
+#include <memory>
+#include <system_error>
 #include <utility>
 #include <variant>
 
+#include "base/text.hpp"
 #include "io/lines/tcp_line.hpp"
-#include "io/lines/tcp_options.hpp"
 #include "io/supervise.hpp"
 
 namespace mbgate::io {
+namespace {
+
+using namespace boost::asio::experimental::awaitable_operators;
+using boost::asio::ip::tcp;
+using boost::system::error_code;
+
+struct FreeAddresses {
+  void operator()(addrinfo* first) const { ::freeaddrinfo(first); }
+};
+
+/// Of the time in which an idle connection is probed, a third is left for the answer: beside
+/// TCP_USER_TIMEOUT one unanswered probe is enough for the kernel.
+constexpr int kPartForAnswer = 3;
+/// Hundreds of frames. The kernel's own limit is megabytes, which a far end that never reads would
+/// fill before anybody noticed.
+constexpr int kSendBuffer = 64 * 1024;
+
+}  // namespace
+
+std::vector<std::string> set_options(int socket, const bus::ConnectionTimes& times,
+                                     const std::string& name) {
+  struct Option {
+    const char* name;
+    int level;
+    int number;
+    int value;
+  };
+  const auto milliseconds = [](bus::Duration time) {
+    return static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(time).count());
+  };
+  const auto probe = static_cast<int>(times.idle_probe.count());
+  const int for_answer = std::max(probe / kPartForAnswer, 1);
+  const std::array options{
+      Option{"TCP_NODELAY", IPPROTO_TCP, TCP_NODELAY, 1},
+      Option{"SO_SNDBUF", SOL_SOCKET, SO_SNDBUF, kSendBuffer},
+      Option{"TCP_USER_TIMEOUT", IPPROTO_TCP, TCP_USER_TIMEOUT,
+             milliseconds(times.acknowledge_timeout)},
+      Option{"TCP_KEEPIDLE", IPPROTO_TCP, TCP_KEEPIDLE, probe - for_answer},
+      Option{"TCP_KEEPINTVL", IPPROTO_TCP, TCP_KEEPINTVL, for_answer},
+      Option{"SO_KEEPALIVE", SOL_SOCKET, SO_KEEPALIVE, 1},
+  };
+  std::vector<std::string> warnings;
+  for (const auto& option : options) {
+    if (::setsockopt(socket, option.level, option.number, &option.value, sizeof option.value) !=
+        0) {
+      warnings.push_back(fmt::format("{}: cannot set {}: {}", name, option.name,
+                                     std::generic_category().message(errno)));
+    }
+  }
+  return warnings;
+}
+
+std::string to_text(const bus::Endpoint& remote) {
+  return "tcp://" + host_and_port(remote.host, remote.port);
+}
+
+std::optional<tcp::endpoint> numeric_endpoint(const bus::Endpoint& remote) {
+  boost::system::error_code error;
+  const auto address = boost::asio::ip::make_address(remote.host, error);
+  return error ? std::nullopt : std::optional(tcp::endpoint(address, remote.port));
+}
+
+Result<HostAddresses, std::string> resolve(const bus::Endpoint& remote) {
+  addrinfo wanted{};
+  wanted.ai_family = AF_UNSPEC;
+  wanted.ai_socktype = SOCK_STREAM;
+  addrinfo* first = nullptr;
+  const int failure = ::getaddrinfo(remote.host.c_str(), nullptr, &wanted, &first);
+  if (failure != 0) {
+    return failure == EAI_SYSTEM ? std::generic_category().message(errno)
+                                 : std::string(::gai_strerror(failure));
+  }
+  const std::unique_ptr<addrinfo, FreeAddresses> owner(first);
+  HostAddresses addresses;
+  for (const addrinfo* each = first; each != nullptr && addresses.size() < kMaxHostAddresses;
+       each = each->ai_next) {
+    tcp::endpoint endpoint;
+    if (each->ai_addrlen <= endpoint.capacity()) {
+      std::memcpy(endpoint.data(), each->ai_addr, each->ai_addrlen);
+      endpoint.resize(each->ai_addrlen);
+      endpoint.port(remote.port);
+      if (std::ranges::find(addresses, endpoint) == addresses.end()) {
+        addresses.push_back(endpoint);
+      }
+    }
+  }
+  return addresses;
+}
 
 void TcpLine::open() {
   if (state_ != State::closed) {
@@ -68,14 +167,6 @@ void TcpLine::finish_resolving(Result<HostAddresses, std::string> result) {
     fail_to_open(result.error());
   }
 }
-
-namespace {
-
-using namespace boost::asio::experimental::awaitable_operators;
-using boost::asio::ip::tcp;
-using boost::system::error_code;
-
-}  // namespace
 
 // Puts TLS between the connection and this line: an uplink gets the socket, and its pair takes the
 // socket's place. Why that failed, or an empty text; nothing if the line was closed meanwhile.

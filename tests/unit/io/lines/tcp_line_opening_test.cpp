@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/lines/host_addresses.hpp"
-
 #include <gtest/gtest.h>
 
 #include "io/clients/listening_socket.hpp"
+#include "io/lines/tcp_line.hpp"
 
 namespace mbgate::io {
 namespace {
