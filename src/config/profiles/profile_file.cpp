@@ -94,12 +94,10 @@ void read_limits(ProfileDraft& draft) {
   read("write_registers", limits.write_registers);
 }
 
-drive::RangeList facts(const DocumentedRanges& ranges) {
-  drive::RangeList list;
-  list.reserve(ranges.size());
-  for (const auto& range : ranges) {
-    list.push_back(range.fact);
-  }
+template <typename Fact>
+std::vector<Fact> facts(const std::vector<Documented<Fact>>& documented) {
+  std::vector<Fact> list;
+  std::ranges::transform(documented, std::back_inserter(list), &Documented<Fact>::fact);
   return list;
 }
 
@@ -216,22 +214,14 @@ void fill_rules(ProfileFile& file) {
   profile.read_only = facts(file.read_only);
   profile.write_only = facts(file.write_only);
   profile.communication = facts(file.communication);
-  for (const auto& slow : file.slow) {
-    profile.slow.push_back(slow.fact);
-  }
-  for (const auto& unanswered : file.unanswered) {
-    profile.unanswered.push_back(unanswered.fact);
-  }
-  for (const auto& stop : file.stops) {
-    profile.stops.push_back(stop.fact);
-  }
+  profile.slow = facts(file.slow);
+  profile.unanswered = facts(file.unanswered);
+  profile.stops = facts(file.stops);
 }
 
 void fill_values(ProfileFile& file) {
   auto& profile = file.profile;
-  for (const auto& guarded : file.guarded) {
-    profile.guarded.push_back(guarded.fact);
-  }
+  profile.guarded = facts(file.guarded);
   std::ranges::stable_sort(file.values, [](const ProfileValue& a, const ProfileValue& b) {
     return std::tie(a.value.table, a.value.first) < std::tie(b.value.table, b.value.first);
   });
