@@ -202,7 +202,7 @@ RegisterMap moons_registers(MoonsSeries series) {
   if (series == MoonsSeries::bldc) {
     return kBldc;
   }
-  static const auto tables = [] {
+  static const auto kTables = [] {
     std::array<std::vector<RegisterRun>, 8> made;
     for (const MoonsRun& entry : kRuns) {
       for (std::size_t at = 0; at < made.size(); ++at) {
@@ -213,7 +213,7 @@ RegisterMap moons_registers(MoonsSeries series) {
     }
     return made;
   }();
-  return tables[static_cast<std::size_t>(series)];
+  return kTables[static_cast<std::size_t>(series)];
 }
 
 const MoonsPlaces& moons_places(MoonsSeries series) {
