@@ -80,6 +80,7 @@ void Listeners::refuse(const ListenerSettings& listener, const io::ListenFailure
   is_denied_ = is_denied_ || failure.denied;
   const MessageId id = failure.denied ? message_id::kDenied : message_id::kListenerRefused;
   log_.write(Level::error, failure.why, {.id = id, .listener = listener.name});
+  refusals_.push_back(failure.why);
 }
 
 void Listeners::add(ListenerId id, const ListenerSettings& listener, Acceptor acceptor) {
@@ -140,6 +141,7 @@ bool Listeners::reload(const std::vector<ListenerSettings>& old,
       wanted.push_back(i);
     }
   }
+  refusals_.clear();
   const bool all = open_all(wanted, next);
   if (all) {
     for (const ListenerId id : inherited) {

@@ -63,6 +63,8 @@ class Listeners {
   /// False: one can do neither, the journal says why, and nothing has changed.
   bool reload(const std::vector<gateway::ListenerSettings>& old,
               const std::vector<gateway::ListenerSettings>& next, const Drop& drop);
+  /// Why the last reload() could not be applied, for whoever asked for it.
+  [[nodiscard]] const std::vector<std::string>& refusals() const { return refusals_; }
   void stop();
   /// A listener was not permitted: trying again does not help.
   [[nodiscard]] bool is_denied() const { return is_denied_; }
@@ -109,6 +111,7 @@ class Listeners {
   std::vector<Waiting> waiting_;
   bool trying_ = false;
   bool is_denied_ = false;
+  std::vector<std::string> refusals_;
   std::set<gateway::ListenerId> inherited_;  ///< their sockets are systemd's
 };
 

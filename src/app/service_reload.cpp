@@ -172,6 +172,7 @@ bool Service::change(const Configuration& read) {
   const gateway::Settings next = gateway::numbered_after(before, *read.loaded.settings);
   if (!listeners_.reload(before.listeners, next.listeners,
                          [this](ListenerId listener) { driver_.remove_servers(listener); })) {
+    std::ranges::copy(listeners_.refusals(), std::back_inserter(reload_messages_));
     return false;
   }
   for (const auto& listener : next.listeners) {

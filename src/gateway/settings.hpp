@@ -28,8 +28,10 @@ struct TcpSettings {
   Duration keepalive_idle = std::chrono::seconds(30);
   Duration keepalive_interval = std::chrono::seconds(10);
   unsigned keepalive_probes = 3;
-  /// How long sent bytes may stay unacknowledged before the connection is given up.
-  Duration user_timeout = std::chrono::seconds(30);
+  /// How long sent bytes may stay unacknowledged before the connection is given up. Linux gives up
+  /// a silent client at the first unanswered probe after this time, too, and no longer counts the
+  /// probes (tcp(7), TCP_USER_TIMEOUT): the default is the time that the three probes take.
+  Duration user_timeout = std::chrono::seconds(60);
   unsigned backlog = 1024;
   friend bool operator==(const TcpSettings&, const TcpSettings&) = default;
 };

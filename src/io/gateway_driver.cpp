@@ -271,8 +271,8 @@ void GatewayDriver::wait_for_end_of_silence(const gateway::Wake& wake) {
 }
 
 void GatewayDriver::drop(ClientId client) {
-  if (clients_.abort(client)) {
-    feed(gateway::ClientDisconnected{client});
+  if (const auto unread = clients_.abort(client)) {
+    feed(gateway::ClientDisconnected{client, *unread});
     observer_.on_status_changed();
   }
 }

@@ -119,6 +119,10 @@ class Http(HttpCase):
                 connection.request("HEAD", name)
                 answer = connection.getresponse()
                 self.assertEqual((answer.status, answer.read()), (200, b""), name)
+            connection.request("HEAD", "/healthz")  # what is refused has no content for HEAD either
+            self.assertEqual(connection.getresponse().read(), b"")
+            connection.request("GET", "/healthz")
+            self.assertEqual(connection.getresponse().status, 200)
             connection.close()
         self.assertEqual(pages[0], pages[1])
         self.assertEqual(self.ask("POST", "/")[0], 405)
@@ -199,7 +203,9 @@ class Http(HttpCase):
         with socket.create_server(("127.0.0.1", 0)) as other:
             self.add_listener(other.getsockname()[1])
             self.edit(f"127.0.0.1:{self.address[1]}", "127.0.0.1:0")
-            self.assertEqual(self.ask("POST", RELOAD)[0], 422)
+            code, body = self.ask("POST", RELOAD)
+            self.assertEqual(code, 422)
+            self.assertRegex(body["messages"][0], "^listener \"second\": cannot listen on .*: Address already in use$")
         stays.find("the configuration stays as it is")
         self.assertEqual(self.ask("GET", "/healthz", self.tcp())[0], 200)
 

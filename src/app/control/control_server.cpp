@@ -151,6 +151,9 @@ asio::awaitable<std::optional<ControlServer::Stream>> ControlServer::serve(
       response.keep_alive(false);  // its body follows, and is not read
     }
     goes_on = response.keep_alive();
+    if (request.method() == http::verb::head) {
+      response.body().clear();  // its length stays
+    }
     client.place->wait();
     stream.expires_after(kClientLimit);
     const auto [write_error, sent] = co_await http::async_write(stream, response, io::kAsTuple);

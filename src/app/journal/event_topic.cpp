@@ -184,21 +184,13 @@ bool is_recovery(const gateway::Event& event) {
                                 quality->notice.verdict.quality == bus::Quality::unknown);
 }
 
-/// Events of one kind at one place share a rate limit: a bus that flaps must not hide another.
-std::string kind_of(const gateway::Event& event) {
-  return std::visit(
-      [&](const auto& value) {
-        std::string kind = std::to_string(event.index());
-        if constexpr (requires { value.bus, value.address; }) {
-          return fmt::format("{} bus {} address {}", kind, fmt::underlying(value.bus),
-                             value.address);
-        } else if constexpr (requires { value.bus; }) {
-          return fmt::format("{} bus {}", kind, fmt::underlying(value.bus));
-        } else {
-          return fmt::format("{} listener {}", kind, fmt::underlying(value.listener));
-        }
-      },
-      event);
+/// Events of one kind at one place share a rate limit: what happens again and again must not hide
+/// what happens elsewhere, nor news of the same device, nor what concerns a stop.
+std::string kind_of(const gateway::Event& event, const Topic& topic) {
+  const auto* const broadcast = std::get_if<gateway::BroadcastLeavesOut>(&event);
+  return fmt::format("{} {} bus {} address {} listener {} stop {}", event.index(), topic.id.hex,
+                     topic.bus, topic.address, topic.listener,
+                     broadcast != nullptr && broadcast->is_stop);
 }
 
 /// The machine counts these for each client: one must not use up the places of another.
@@ -233,7 +225,7 @@ void write_event(Log& log, const gateway::Event& event, const gateway::Settings&
   } else if (is_limited_already(event)) {
     log.write(level_of(event), text, topic);
   } else {
-    log.write_limited(level_of(event), kind_of(event), text, topic);
+    log.write_limited(level_of(event), kind_of(event, topic), text, topic);
   }
 }
 

@@ -61,9 +61,8 @@ std::optional<PageResponse> page_answer(const http::request<http::string_body>& 
   if (file == nullptr) {
     return std::nullopt;
   }
-  const bool is_head = request.method() == http::verb::head;
   PageResponse response(http::status::ok, request.version());
-  if (request.method() != http::verb::get && !is_head) {
+  if (request.method() != http::verb::get && request.method() != http::verb::head) {
     response = wrong_method(request);
   } else {
     const std::string tag = fmt::format("\"{}\"", file->hash);
@@ -81,9 +80,6 @@ std::optional<PageResponse> page_answer(const http::request<http::string_body>& 
   response.set("X-Content-Type-Options", "nosniff");
   response.keep_alive(request.keep_alive());
   response.prepare_payload();
-  if (is_head) {
-    response.body().clear();  // its length stays
-  }
   return response;
 }
 

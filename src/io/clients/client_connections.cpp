@@ -29,12 +29,9 @@ TcpConnection* ClientConnections::find(ClientId client) const {
   return entry == connections_.end() ? nullptr : entry->second.get();
 }
 
-bool ClientConnections::abort(ClientId client) {
+std::optional<modbus::Bytes> ClientConnections::abort(ClientId client) {
   const auto entry = connections_.extract(client);
-  if (entry) {
-    entry.mapped()->abort();
-  }
-  return !entry.empty();
+  return entry ? std::optional(entry.mapped()->abort()) : std::nullopt;
 }
 
 void ClientConnections::close(ClientId client, bus::Duration limit) {

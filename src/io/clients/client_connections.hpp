@@ -30,8 +30,8 @@ class ClientConnections {
   void read_all();
   /// The connection has ended by itself.
   void note_disconnected(gateway::ClientId client) { connections_.erase(client); }
-  /// Ends the connection at once. False if there is none.
-  bool abort(gateway::ClientId client);
+  /// TcpConnection::abort(); nothing if there is no such connection.
+  std::optional<modbus::Bytes> abort(gateway::ClientId client);
   /// TcpConnection::close(), if there is one.
   void close(gateway::ClientId client, bus::Duration limit);
   void close_all(bus::Duration limit);

@@ -5,6 +5,7 @@
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <cerrno>
 #include <utility>
@@ -94,7 +95,14 @@ void TcpConnection::close(bus::Duration limit) {
   start_writing();
 }
 
-void TcpConnection::abort() {
+modbus::Bytes TcpConnection::abort() {
+  ReadBuffer& buffer = context_.buffer;
+  const ssize_t count = ::recv(socket_.native_handle(), buffer.data(), buffer.size(), MSG_DONTWAIT);
+  close_socket();
+  return modbus::Bytes(buffer).first(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+}
+
+void TcpConnection::close_socket() {
   stop_watching();
   error_code ignored;
   socket_.close(ignored);
@@ -135,7 +143,8 @@ void TcpConnection::read_once() {
   if (count > 0) {
     const auto size = static_cast<std::size_t>(count);
     if (is_gone(socket_.native_handle())) {
-      disconnect(modbus::Bytes(buffer).first(size));
+      close_socket();
+      context_.events.client_disconnected(client_, modbus::Bytes(buffer).first(size));
       return;
     }
     const std::size_t unread = size < buffer.size() ? 0 : unread_bytes(socket_.native_handle());
@@ -230,14 +239,14 @@ boost::asio::awaitable<void> TcpConnection::discard_until_fin(std::shared_ptr<Tc
   }
 }
 
-void TcpConnection::disconnect(modbus::Bytes bytes) {
-  abort();
-  context_.events.client_disconnected(client_, bytes);
+void TcpConnection::disconnect() {
+  const modbus::Bytes unread = abort();
+  context_.events.client_disconnected(client_, unread);
 }
 
 void TcpConnection::finish() {
   if (socket_.is_open()) {
-    abort();
+    close_socket();
     closing_->cancel();
     context_.events.client_closed(client_);
   }

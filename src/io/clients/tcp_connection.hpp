@@ -76,8 +76,9 @@ class TcpConnection : public std::enable_shared_from_this<TcpConnection> {
   /// connection, and the last answers could be lost. Only client_closed() is reported from now on,
   /// perhaps from within this call.
   void close(bus::Duration limit);
-  /// Closes at once and reports nothing.
-  void abort();
+  /// Closes at once and reports nothing. Returns what had come and was not read, until something
+  /// else is read: a client that has gone may have sent a stop.
+  modbus::Bytes abort();
   /// What it sends comes by way of another thread.
   void set_relayed() { relayed_ = true; }
   [[nodiscard]] bool is_relayed() const { return relayed_; }
@@ -92,7 +93,8 @@ class TcpConnection : public std::enable_shared_from_this<TcpConnection> {
   bool write_queued();
   void start_writing();
   void handle_fin();
-  void disconnect(modbus::Bytes bytes = {});
+  void disconnect();
+  void close_socket();
   void finish();
   void stop_watching();
 

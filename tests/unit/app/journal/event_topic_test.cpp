@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/journal/event_topic.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -209,6 +212,40 @@ TEST(EventTopic, OfADeviceThatAClientHasSetOtherwiseHasBoth) {
 TEST(EventTopic, OfAnAddressThatNobodyNamesHasNoDevice) {
   const Topic topic = topic_of(event_of(Notice{Notice::Kind::lost, 7}), settings_of_plant());
   EXPECT_EQ(subject_of(topic), "bus=axes address=7");
+}
+
+/// How many of these events reach whoever reads along.
+std::size_t written_of(const std::vector<gateway::Event>& events) {
+  const int null = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  std::size_t written = 0;
+  {
+    Log log(false, null);
+    log.observe([&](Level, const std::string&) { ++written; });
+    for (const gateway::Event& event : events) {
+      write_event(log, event, settings_of_plant());
+    }
+    log.observe({});
+    log.flush(std::chrono::seconds(60));
+  }
+  ::close(null);
+  return written;
+}
+
+// A loose plug makes some twenty lines a minute.
+TEST(WriteEvent, ADeviceThatFlapsHidesNeitherAStopNorAnotherDevice) {
+  std::vector<gateway::Event> events(15, event_of(Notice{Notice::Kind::lost, 1}));
+  EXPECT_EQ(written_of(events), 10U);
+  events.push_back(event_of(Notice{Notice::Kind::stop_unanswered, 1}));
+  events.push_back(event_of(Notice{Notice::Kind::stop_refused, 1}));
+  events.push_back(event_of(Notice{Notice::Kind::lost, 2}));
+  EXPECT_EQ(written_of(events), 13U);
+}
+
+TEST(WriteEvent, BroadcastsThatMissADeviceHideNoStopThatDoes) {
+  const gateway::Asked asked{operator_at_panel(), 0, {6, 0, 1, 0, 2}};
+  std::vector<gateway::Event> events(15, gateway::BroadcastLeavesOut{asked, false, "axis-x"});
+  events.push_back(gateway::BroadcastLeavesOut{asked, true, "axis-x"});
+  EXPECT_EQ(written_of(events), 11U);
 }
 
 /// Of systemd/mbgate.catalog: what the text of each ID takes from the entry, "MBGATE_BUS".

@@ -59,15 +59,6 @@ TEST(PageAnswer, IsNoneForWhatIsNotOfThePage) {
   }
 }
 
-TEST(PageAnswer, HasTheLengthAloneForHead) {
-  const auto whole = answer_to(http::verb::get, "/page/main.js");
-  const auto head = answer_to(http::verb::head, "/page/main.js");
-  ASSERT_TRUE(head);
-  EXPECT_EQ(head->result(), http::status::ok);
-  EXPECT_EQ(head->body(), "");
-  EXPECT_EQ((*head)[http::field::content_length], (*whole)[http::field::content_length]);
-}
-
 TEST(PageAnswer, RefusesWhatDoesNotRead) {
   const auto answer = answer_to(http::verb::post, "/");
   ASSERT_TRUE(answer);

@@ -82,6 +82,23 @@ TEST_F(TcpConnectionTest, HandsOverNoRequestOfAClientThatHasGone) {
   EXPECT_EQ(read_when_gone_, "request");
 }
 
+// It may have been a stop.
+TEST_F(TcpConnectionTest, HandsOverWhatWasUnreadWhenSendingFails) {
+  send_until_queued();
+  ASSERT_TRUE(client_.send("request"));
+  client_.reset();
+  ASSERT_TRUE(wait_for([&] { return disconnected_; }));
+  EXPECT_EQ(read_when_gone_, "request");
+}
+
+TEST_F(TcpConnectionTest, GivesBackWhatWasUnreadWhenItIsAborted) {
+  ASSERT_TRUE(client_.send("request"));
+  client_.reset();
+  ASSERT_EQ(connection_->send(adu_of(1)), TcpConnection::SendOutcome::failed);
+  const modbus::Bytes unread = connection_->abort();
+  EXPECT_EQ(std::string(unread.begin(), unread.end()), "request");
+}
+
 TEST_F(TcpConnectionTest, StillSendsAfterTheFin) {
   connection_->start();
   client_.send_fin();
