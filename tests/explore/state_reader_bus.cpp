@@ -54,7 +54,8 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   for (const bus::Transmission& stop : waiting_stops) {
     read(stop, devices, gateway, hash);
   }
-  for (const auto& [address, broadcast, request, at] : acknowledged.stops_) {
+  for (const auto& [address, unit, broadcast, request, at] : acknowledged.stops_) {
+    require(unit == address, "no device has every unit");
     hash.add(address);
     hash.add(broadcast.has_value());
     hash.add(request.bytes());

@@ -29,6 +29,12 @@ TimesInForce DeviceEntry::in_force(const modbus::Request& request, bool hurries)
   return found;
 }
 
+modbus::Pdu DeviceEntry::plain_echo(const modbus::Pdu& frame) const {
+  const auto* const write = hold.oldest_that(
+      [&](const modbus::Request& asked) { return device->takes_limited(asked, frame.bytes()); });
+  return write == nullptr ? frame : write->pdu();
+}
+
 void DeviceEntry::forget_shown() {
   health.forget_shown();
   asked_at = second_at = second_read_at = Instant::min();

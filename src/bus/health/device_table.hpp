@@ -89,6 +89,9 @@ struct DeviceEntry {
   /// offline device if it `hurries`.
   [[nodiscard]] const drive::DeviceTiming& in_force() const { return device->timing; }
   [[nodiscard]] TimesInForce in_force(const modbus::Request& request, bool hurries) const;
+  /// An unexpected frame; if the drive limits values, and acknowledges a write by its address
+  /// alone: the plain echo of the oldest write that the frame may acknowledge.
+  [[nodiscard]] modbus::Pdu plain_echo(const modbus::Pdu& frame) const;
   /// No [[device]] has this address, and nobody was ever heard there.
   [[nodiscard]] bool is_unknown() const {
     return device->name.empty() && health.state() == DeviceState::not_asked;

@@ -16,6 +16,7 @@
 // answer until the second one must have come.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <boost/container/static_vector.hpp>
 #include <optional>
@@ -87,6 +88,18 @@ class Hold {
   /// Such a frame, which is no late answer, is a second answer to a request that was answered less
   /// than a response timeout ago. False: it is not.
   bool note_second(modbus::Bytes response, Instant came, const Timing& timing);
+  /// What an unexpected frame may answer: the oldest unanswered transmission of which `fits` holds;
+  /// or, while nothing is on the wire, the last of those that were answered. nullptr: nothing.
+  template <typename Fits>
+  [[nodiscard]] const modbus::Request* oldest_that(Fits fits) const {
+    const auto owed = std::ranges::find_if(unanswered_, fits, &Unanswered::asked);
+    if (owed != unanswered_.end() || pending_) {
+      return owed == unanswered_.end() ? nullptr : &owed->asked;
+    }
+    const auto last = std::find_if(answered_.rbegin(), answered_.rend(),
+                                   [&](const Answered& it) { return fits(it.asked); });
+    return last == answered_.rend() ? nullptr : &last->asked;
+  }
   /// How many second answers have come since the last two hundred answers without one.
   [[nodiscard]] unsigned seconds() const { return seconds_; }
 
@@ -107,10 +120,8 @@ class Hold {
   }
   /// The length of a tail that begins at `now`: the quarantine in force.
   [[nodiscard]] Duration tail(Instant now, const Timing& timing) const;
-  /// The longest answer of the last minute or two, late ones included; 0: there was none.
-  [[nodiscard]] Duration longest_answer() const { return pace_.longest_answer(); }
-  /// The same without answers of slow registers.
-  [[nodiscard]] Duration longest_ordinary() const { return pace_.longest_ordinary(); }
+  /// How fast the device answers, late answers included.
+  [[nodiscard]] const AnswerPace& pace() const { return pace_; }
 
  private:
   struct Unanswered {

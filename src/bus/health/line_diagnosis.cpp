@@ -71,13 +71,12 @@ void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end, Instant n
   parts_.devices[asked.address].counters.wire_time += std::max(free_at - asked.sent, Duration{0});
   denied_echo_.note_ended(end.how == LineEnd::How::response && asked.is_read);
   const bool heard_frame = std::exchange(frame_heard_, false);
-  const LineEnd::How how = asked.is_unreached ? LineEnd::How::no_response : end.how;
-  note_silence(asked, how, now);
+  note_silence(asked, now);
   if (!asked.wants_answer) {
     return;
   }
   AnswerQuality& quality = quality_[asked.address];
-  switch (how) {
+  switch (asked.how) {
     case LineEnd::How::response:
       quality.note_answered();
       quality_.note_answer(false);
@@ -104,9 +103,9 @@ void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end, Instant n
   tell_quality(asked.address);
 }
 
-void LineDiagnosis::note_silence(const Asked& asked, LineEnd::How how, Instant now) {
+void LineDiagnosis::note_silence(const Asked& asked, Instant now) {
   Silence& silence = parts_.devices[asked.address].silence;
-  switch (how) {
+  switch (asked.how) {
     case LineEnd::How::response: silence.note_answer(now); break;
     case LineEnd::How::damaged:
     case LineEnd::How::misfit: silence.note_damaged(now); break;
@@ -170,9 +169,10 @@ void LineDiagnosis::notify(DeviceNotice::Kind kind, std::uint8_t address) {
   parts_.actions.push(notice);
 }
 
-void LineDiagnosis::note_unsolicited(const UnsolicitedFrame& unsolicited) {
+void LineDiagnosis::note_unsolicited(UnsolicitedFrame unsolicited) {
   const std::uint8_t address = unsolicited.address;
   DeviceEntry& entry = parts_.devices[address];
+  unsolicited.pdu = entry.plain_echo(unsolicited.pdu);
   frame_heard_ = true;
   // Pieces of damaged answers may make a good frame by chance, of an address that nobody asked.
   if (unsolicited.is_echo || parts_.is_unreached(unsolicited.pdu) ||
@@ -253,7 +253,7 @@ bool LineDiagnosis::note_misfit(const UnsolicitedFrame& unsolicited) {
     return true;
   }
   const Duration longest =
-      asked->on_wire().request.is_read() ? entry.hold.longest_answer() : Duration{0};
+      asked->on_wire().request.is_read() ? entry.hold.pace().longest_answer() : Duration{0};
   line->take_misfit(unsolicited.pdu,
                     unsolicited.came + parts_.settings.frame_slack_or_default() + longest);
   return true;

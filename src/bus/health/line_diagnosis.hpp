@@ -23,7 +23,7 @@ struct Asked {
   bool wants_answer;
   bool is_first;  ///< no repetition
   Instant sent;
-  bool is_unreached = false;  ///< a server has answered that it did not reach the device
+  LineEnd::How how;  ///< no_response also if a server did not reach it; sent also if a stop cut it
 };
 
 /// Around the silences that the specification asks for, and beyond.
@@ -45,7 +45,7 @@ class LineDiagnosis {
   /// Bytes were received; `asked`: while a request was pending.
   void note_bytes(bool asked, Instant now);
   /// A valid frame came that answers no pending request.
-  void note_unsolicited(const UnsolicitedFrame& unsolicited);
+  void note_unsolicited(UnsolicitedFrame unsolicited);
   void note_ended(const Asked& asked, const LineEnd& end, Instant now);
   /// It was answered: how long that took.
   void note_times(const Transmission& transmission, const LineEnd& end, Instant now);
@@ -85,7 +85,7 @@ class LineDiagnosis {
   void note_foreign(const UnsolicitedFrame& unsolicited);
   bool note_second_answer(const UnsolicitedFrame& unsolicited);
   bool note_misfit(const UnsolicitedFrame& unsolicited);
-  void note_silence(const Asked& asked, LineEnd::How how, Instant now);
+  void note_silence(const Asked& asked, Instant now);
   void tell_quality(std::uint8_t address);
 
   Parts& parts_;

@@ -22,7 +22,7 @@ class AcknowledgedStops {
   /// The device acknowledged the stop. A broadcast, which nobody acknowledges, was sent.
   void note(const Transaction& stop, Instant now) {
     std::erase_if(stops_, [&](const Stop& it) { return is_over(it, now) || is_same(it, stop); });
-    stops_.push_back({stop.address, stop.broadcast, stop.request.pdu(), now});
+    stops_.push_back({stop.address, stop.unit, stop.broadcast, stop.request.pdu(), now});
   }
   /// Something else may have happened to the device: a write was accepted, or a request failed.
   void forget(std::uint8_t address) {
@@ -45,6 +45,7 @@ class AcknowledgedStops {
  private:
   struct Stop {
     std::uint8_t address;
+    std::uint8_t unit;  ///< another one, where a server is one device under every unit
     std::optional<drive::BroadcastForm> broadcast;
     modbus::Pdu request;
     Instant at;
@@ -52,8 +53,8 @@ class AcknowledgedStops {
   static bool is_broadcast(const Stop& stop) { return stop.broadcast.has_value(); }
   static bool is_over(const Stop& stop, Instant now) { return now >= stop.at + kStopCountsFor; }
   static bool is_same(const Stop& stop, const Transaction& other) {
-    return stop.address == other.address && stop.broadcast == other.broadcast &&
-           stop.request == other.request.pdu();
+    return stop.address == other.address && stop.unit == other.unit &&
+           stop.broadcast == other.broadcast && stop.request == other.request.pdu();
   }
   [[nodiscard]] bool has(const Transaction& stop, Instant now) const {
     const auto counts = [&](const Stop& it) {

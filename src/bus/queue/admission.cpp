@@ -17,11 +17,11 @@ bool is_begun(const Job& stop) {
 }
 
 bool are_same(const Job& one, const Job& other) {
-  return std::ranges::equal(one.transactions, other.transactions,
-                            [](const Transaction& a, const Transaction& b) {
-                              return a.address == b.address && a.broadcast == b.broadcast &&
-                                     a.request.pdu() == b.request.pdu();
-                            });
+  return std::ranges::equal(
+      one.transactions, other.transactions, [](const Transaction& a, const Transaction& b) {
+        return a.address == b.address && a.unit == b.unit && a.broadcast == b.broadcast &&
+               a.request.pdu() == b.request.pdu();
+      });
 }
 
 }  // namespace

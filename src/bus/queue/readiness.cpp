@@ -66,7 +66,7 @@ Duration time_before_stop(const Parts& parts, const Transaction& sent) {
   constexpr int kSafely = 2;  // times the longest answer of late to ordinary registers
   const DeviceEntry& entry = parts.devices[sent.address];
   return entry.in_force().response_wait +
-         std::max(parts.settings.stop_wait, kSafely * entry.hold.longest_ordinary());
+         std::max(parts.settings.stop_wait, kSafely * entry.hold.pace().longest_ordinary());
 }
 
 bool is_given_up(const Parts& parts, const Transmission& stop) {

@@ -111,6 +111,8 @@ void SerialDiscipline::take_misfit(const modbus::Pdu& frame, std::optional<Insta
   } else {
     transaction_->response = frame;
     end(LineEnd::How::response);
+    end_->early = false;  // the framer's times are those of an earlier frame
+    end_->noise = 0;
   }
 }
 

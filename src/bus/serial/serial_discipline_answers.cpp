@@ -62,6 +62,7 @@ Verdict SerialDiscipline::refuse(Instant now) {
              (owed_.empty() || echo_.is_unknown()) && !echo_.pass(proves_echo)) {
     if (!proves_echo) {
       ++counters_.unsolicited_frames;  // an echo, or what is owed: that stays owed
+      may_be_echo_ = echo_.is_unknown() && !transaction_->request.is_read();
     }
   } else if (const auto first = first_fit(owed_, framer_.response());
              first != owed_.end() && !is_echo_of_now) {

@@ -131,12 +131,12 @@ void Dispatch::wait_for_line(Instant now) {
     parts_.link.wake(now);
     parts_.actions.push(OpenLine{});
   }
-  if (!parts_.link.is_closed()) {
+  if (parts_.link.is_open() || parts_.link.is_reopening()) {
     return;
   }
   const Duration deadline = stop_deadline(parts_.settings);
   while (Transmission* stop = parts_.stops.find([&](const Transmission& it) {
-    return parts_.stopping || now >= it.waits_since + deadline;
+    return (parts_.stopping && parts_.link.is_closed()) || now >= it.waits_since + deadline;
   })) {
     parts_.stops.remove(*stop);
     ends_.finish(*stop, Ending::closed);

@@ -32,6 +32,21 @@ Hold::Sent sent_of(const Transmission& it, const drive::Device& device, Instant 
   return {asked, it.last_sent, due, it.tries > 1, may_be_answered, it.is_probe, is_slow};
 }
 
+// For a stop: it is neither answered nor unanswered. Stops that cut each other short are.
+bool is_cut(const Transmission& transmission, const LineEnd& end, Instant now) {
+  return end.how == LineEnd::How::no_response && now + transmission.hurried_by < end.due &&
+         !transmission.is_stop();
+}
+
+LineEnd::How how_to_count(const Parts& parts, const Transmission& transmission, const LineEnd& end,
+                          Instant now) {
+  const auto& response = transmission.on_wire().response;
+  if (end.how == LineEnd::How::response && parts.is_unreached(*response)) {
+    return LineEnd::How::no_response;
+  }
+  return is_cut(transmission, end, now) ? LineEnd::How::sent : end.how;
+}
+
 }  // namespace
 
 void Outcomes::handle_end(LineEnd end, Instant now) {
@@ -45,7 +60,7 @@ void Outcomes::handle_end(LineEnd end, Instant now) {
                     !sent.is_broadcast() && !sent.may_stay_silent(),
                     transmission.tries == 1,
                     transmission.last_sent,
-                    end.how == LineEnd::How::response && parts_.is_unreached(*sent.response)};
+                    how_to_count(parts_, transmission, end, now)};
   DeviceEntry& entry = parts_.devices[asked.address];
   entry.counters.noise_bytes += end.noise;
   if (parts_.is_traced) {
@@ -186,10 +201,8 @@ void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, In
   ++entry.counters.timeouts;
   entry.hold.note_unanswered(sent_of(transmission, *entry.device, end.due, end.may_be_echo));
   entry.stop_unanswered = entry.stop_unanswered || transmission.is_stop();
-  // For a stop: it is neither answered nor unanswered. Stops that cut each other short are.
-  const bool is_cut = now + transmission.hurried_by < end.due && !transmission.is_stop();
   // A probe that has brought an answer is not unanswered, though that may be another one's.
-  if (is_cut || (transmission.is_probe && !entry.health.is_offline())) {
+  if (is_cut(transmission, end, now) || (transmission.is_probe && !entry.health.is_offline())) {
     parts_.probes.note_unanswered(transmission, now);
   } else if (!end.may_be_echo) {
     note_unanswered(transmission, end.due, now);
@@ -206,7 +219,7 @@ void Outcomes::handle_unreadable(Transmission& transmission, const LineEnd& end,
     ++entry.counters.bad_crcs;
     entry.health.note_damaged(now);
     // The frame may have been one of two, as a misfit may (LineDiagnosis::note_misfit).
-    entry.free_at = std::max(entry.free_at, now + entry.hold.longest_answer());
+    entry.free_at = std::max(entry.free_at, now + entry.hold.pace().longest_answer());
   } else {
     entry.hold.note_heard(now);
     diagnosis_.note_heard(sent.address, now);

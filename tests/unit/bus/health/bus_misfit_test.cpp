@@ -117,6 +117,35 @@ TEST_F(BusMisfit, ALimitedEchoIsTheAnswerWhereTheDeviceIsToldToGiveIt) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
 }
 
+// The same 06 with another value is still unanswered: what comes is its late echo, limited too.
+TEST_F(BusMisfit, ALateLimitedEchoAnswersNoLaterWrite) {
+  drive::Device limiting{"axis", {}, 1, settings().timing};
+  limiting.limits_values = true;
+  limiting.timing.quarantine = 0ms;
+  open(settings(), {limiting});
+  ask(kSetPoint);
+  advance(200ms);
+  ASSERT_THAT(endings_, ElementsAre(Ending::no_answer));
+  ask("06 0005 1770");
+  ASSERT_THAT(frames_, SizeIs(2));
+  line(kLimited);
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+  EXPECT_EQ(bus_->counters().late_responses, 1U);
+  line(kLimited);  // its own, at last
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
+}
+
+TEST_F(BusMisfit, ALimitedEchoIsNotTooEarly) {
+  drive::Device limiting{"axis", {}, 1, settings().timing};
+  limiting.limits_values = true;
+  limiting.timing.response_wait = 4ms;
+  open(settings(), {limiting});
+  ask(kSetPoint);
+  line(kLimited);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  EXPECT_EQ(bus_->counters().early_responses, 0U);
+}
+
 // Two stops by values of their own: what comes is late, and is the echo of the first.
 TEST_F(BusMisfit, ALimitedEchoAcknowledgesNoStop) {
   drive::Device limiting{"axis", {}, 1, settings().timing};

@@ -85,6 +85,20 @@ TEST_F(BusClosedLine, AStopEndsIfNobodyKnowsWhetherThatFailsInTime) {
   EXPECT_THAT(endings_, ElementsAre(Ending::closed));
 }
 
+TEST_F(BusClosedLine, AStopWaitsNoLongerForALineThatRested) {
+  open(remote(), {axis(remote())});
+  submit(job(kRead));
+  advance(10ms);
+  line(kAnswer);
+  lose(bus::Loss::closed);
+  submit(job(kStop));
+  ASSERT_EQ(opens_, 2U);
+  advance(1999ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  advance(1ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::closed));
+}
+
 TEST_F(BusClosedLine, AStopThatWaitedWhenTheLineWasLostIsSentOnTheNext) {
   auto slow = settings();
   slow.timing.response_timeout = 1s;

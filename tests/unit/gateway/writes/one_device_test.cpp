@@ -106,6 +106,22 @@ TEST_F(OneDevice, SharesNoReadWithAnotherUnit) {
                                                                "00 04 00 00 00 05 02 03 02 00 02"));
 }
 
+TEST_F(OneDevice, SharesNoStopWithAnotherUnit) {
+  rig_.receive(1, read_request(1, 11));
+  rig_.receive(2, stop_request(1, 1) + stop_request(2, 2) + stop_request(3, 3));
+  rig_.line("00 01 00 00 00 05 FF 03 02 00 07");
+  Lines stops;
+  for (const char unit : {'1', '2', '3'}) {
+    const Lines sent = take();
+    stops.insert(stops.end(), sent.begin(), sent.end());
+    const char transaction = static_cast<char>(unit + 1);
+    rig_.line(std::string("00 0") + transaction + " 00 00 00 06 0" + unit + " 06 00 7C 00 E1");
+    rig_.advance(1ms);
+  }
+  EXPECT_THAT(stops, testing::IsSupersetOf(
+                         {"01 06 00 7C 00 E1", "02 06 00 7C 00 E1", "03 06 00 7C 00 E1"}));
+}
+
 TEST_F(OneDevice, HasItsWritersUnderEachName) {
   Settings settings = server();
   settings.guards.resize(1);
