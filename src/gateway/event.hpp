@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include "bus/bus.hpp"
@@ -62,6 +63,7 @@ struct ClientFramingLost {
   ListenerId listener;
   routing::ClientAddress address;
   std::uint16_t length;
+  std::string_view sends{};  ///< modbus::other_protocol()
 };
 /// Bytes that look like an RTU frame came in on the TCP port.
 struct ClientSpeaksRtu {

@@ -44,7 +44,10 @@ void Gateway::on(const DeadlineReached& /*input*/, Instant now) {
   }
 }
 
-void Gateway::on(const Stalled& input, Instant now) { clients_.stalled(now - input.lasted); }
+void Gateway::on(const Stalled& input, Instant now) {
+  clients_.stalled(now - input.lasted);
+  failsafe_.stalled(now);
+}
 
 void Gateway::on(const ClearCountersAsked& /*input*/, Instant /*now*/) {
   clients_.clear_counters();

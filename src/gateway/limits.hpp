@@ -18,8 +18,9 @@ inline constexpr std::size_t kClientReadSize = 2048;
 /// that were not sent yet so many that its socket is not read.
 inline constexpr std::size_t kRequestsOutstanding = 64;
 
-/// Requests of all connections that may be outstanding: about 64 MB. Beyond that they get 06.
-inline constexpr std::size_t kRequestsOfAll = 32768;
+/// Transactions of the requests of all connections that may be outstanding: about 64 MB. Requests
+/// beyond that get 06.
+inline constexpr std::size_t kTransactionsOfAll = 32768;
 
 /// Writes wait at most for two transactions of the bus, the running one and one that goes before
 /// them, and 0.5 s. Not longer, because an old motion command is dangerous.

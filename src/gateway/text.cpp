@@ -222,7 +222,9 @@ struct EventText {
         names.client(e), names.settings.listener(e.listener).max_requests_per_second);
   }
   std::string operator()(const ClientFramingLost& e) const {
-    return fmt::format("{} closed: MBAP length {} is not 2 to 254", names.client(e), e.length);
+    const auto why = e.sends.empty() ? fmt::format("MBAP length {} is not 2 to 254", e.length)
+                                     : fmt::format("it sends {} to the Modbus TCP port", e.sends);
+    return names.client(e) + " closed: " + why;
   }
   std::string operator()(const ClientSpeaksRtu& e) const {
     return names.client(e) +

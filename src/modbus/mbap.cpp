@@ -76,4 +76,17 @@ bool looks_like_rtu(Bytes stream) {
   return good_crc(guess) || good_crc(std::min(stream.size(), kLargest));
 }
 
+std::string_view other_protocol(Bytes stream) {
+  if (stream.size() >= 2 && stream[0] == 0x16 && stream[1] == 0x03) {
+    return "TLS";
+  }
+  if (!stream.empty() && stream[0] == ':') {
+    return "Modbus ASCII";
+  }
+  const auto is_capital = [](std::uint8_t byte) { return byte >= 'A' && byte <= 'Z'; };
+  const auto space = std::ranges::find_if_not(stream, is_capital);
+  const bool is_method = space - stream.begin() >= 3 && space != stream.end() && *space == ' ';
+  return is_method ? "HTTP" : "";
+}
+
 }  // namespace mbgate::modbus

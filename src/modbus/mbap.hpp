@@ -4,6 +4,7 @@
 
 #include <boost/container/static_vector.hpp>
 #include <cstdint>
+#include <string_view>
 #include <variant>
 
 #include "modbus/pdu.hpp"
@@ -58,5 +59,9 @@ MbapScan scan_mbap_answer(Bytes stream);
 /// Do the bytes begin with an RTU frame (address, a known function, good CRC)? A frequent mistake
 /// of users, worth a log line of its own.
 bool looks_like_rtu(Bytes stream);
+
+/// What a stream is that is neither MBAP nor RTU: "Modbus ASCII" (a colon; Serial Line V1.02,
+/// 2.5.2.1), "TLS" (a handshake record; RFC 8446, 5.1), "HTTP" (a method; RFC 9112, 3), or "".
+std::string_view other_protocol(Bytes stream);
 
 }  // namespace mbgate::modbus

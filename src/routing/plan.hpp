@@ -65,6 +65,8 @@ class Plan {
   [[nodiscard]] modbus::Pdu echo() const { return modbus::echo_response(client_request_); }
   [[nodiscard]] const modbus::Pdu& asked() const { return client_request_.pdu(); }
   [[nodiscard]] bool is_read() const { return client_request_.is_read(); }
+  /// 23: nobody but the device can answer it.
+  [[nodiscard]] bool is_answered_with_data() const { return client_request_.reads().has_value(); }
   [[nodiscard]] std::uint8_t function() const { return client_request_.function(); }
 
  private:

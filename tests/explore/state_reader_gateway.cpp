@@ -23,7 +23,8 @@ void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
   hash.add(stop_deadline.has_value());
   read(clients, gateway, hash);
   // Its requests and jobs are read with those that refer to them; the others belong to the gateway.
-  auto& [of_settings, of_buses, of_actions, requests, jobs, completed] = exchanges;
+  // There is room for all of their transactions: planned.
+  auto& [of_settings, of_buses, of_actions, requests, jobs, completed, planned] = exchanges;
   require(!completed.poll(), "nothing is left to do");
   hash.add(requests.in_use());
   hash.add(jobs.in_use());

@@ -22,8 +22,9 @@ Intake::Front Intake::front(ClientSession& session) {
       notice_rtu(session, session.input.bytes());
       ++counters_.framing_lost;
       if (!session.speaks_rtu_reported) {
-        actions_.push(Report{
-            ClientFramingLost{session.info().listener, session.info().address, lost->length}});
+        actions_.push(
+            Report{ClientFramingLost{session.info().listener, session.info().address, lost->length,
+                                     modbus::other_protocol(session.input.bytes())}});
       }
       return {.framing_lost = true};
     }

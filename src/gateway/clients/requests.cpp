@@ -96,14 +96,13 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
   const WriteOrigin origin = request.origin(session);
   audit(session, request);
   say_left_out(session, request);
-  const std::uint32_t index = exchanges_.open();
+  const std::uint32_t index = exchanges_.open(*std::move(request.plan));
   Exchange& exchange = exchanges_[index];
   exchange.client = session.id();
   exchange.listener = session.info().listener;
   exchange.address = session.info().address;
   exchange.header = request.adu.header;
   exchange.route = request.route;
-  exchange.plan = *std::move(request.plan);
   if (trace_.is_on()) {
     trace_.asked(index, trace_of(session, request), *exchange.plan);
   }

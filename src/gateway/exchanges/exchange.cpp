@@ -12,7 +12,7 @@ void Exchange::note(const bus::Job& job, bus::Ending ending) {
   }
   switch (ending) {
     case bus::Ending::answered: response = plan->answer(job.responses()); break;
-    case bus::Ending::transmitted: break;
+    case bus::Ending::transmitted: failed = failed || plan->is_answered_with_data(); break;
     case bus::Ending::mismatched: failed = wrong_word_order = true; break;
     case bus::Ending::closed:
       failed = true;

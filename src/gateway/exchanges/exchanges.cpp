@@ -17,6 +17,13 @@ std::uint32_t Exchanges::open() {
   return index;
 }
 
+std::uint32_t Exchanges::open(routing::Plan plan) {
+  planned_ += plan.transactions().size();
+  const std::uint32_t index = open();
+  exchanges_[index].plan = std::move(plan);
+  return index;
+}
+
 void Exchanges::start(std::uint32_t index, Turns turns, Instant now) {
   Exchange& exchange = exchanges_[index];
   exchange.is_held = false;
@@ -67,6 +74,21 @@ void Exchanges::submit(std::uint32_t index, Instant now) {
   }
 }
 
+bool Exchanges::begin_anew(bus::Job& job, BusId bus, Instant now) {
+  if (job.job_class != bus::JobClass::stop || job.abandoned || !exchanges_[job.owner].plan) {
+    return false;
+  }
+  job.current = 0;
+  job.accepted = false;
+  for (bus::Transaction& transaction : job.transactions) {
+    transaction.response.reset();
+  }
+  if (!buses_.touch(bus).submit(job, now)) {
+    end(job, bus::Ending::cancelled);
+  }
+  return true;
+}
+
 void Exchanges::end(bus::Job& job, bus::Ending ending) {
   const std::uint32_t index = job.owner;
   Exchange& exchange = exchanges_[index];
@@ -85,6 +107,8 @@ std::optional<std::uint32_t> Exchanges::take_completed() { return completed_.pol
 
 void Exchanges::close(std::uint32_t index) {
   SettingsSnapshot& snapshot = *exchanges_[index].snapshot;
+  const auto& plan = exchanges_[index].plan;
+  planned_ -= plan ? plan->transactions().size() : 0;
   MBGATE_ASSERT(snapshot.exchanges > 0, "a request keeps the settings of its plan");
   --snapshot.exchanges;
   exchanges_.give_back(index);
@@ -112,11 +136,14 @@ void Exchanges::cancel(std::uint32_t index) {
   }
 }
 
+// A part may have ended: a broadcast has been sent on another bus.
 void Exchanges::take_back(std::uint32_t index) {
+  const Exchange& exchange = exchanges_[index];
   const auto is_begun = [](const Exchange::Part& part) {
     return part.job->was_on_wire && !part.job->is_read();
   };
-  if (std::ranges::none_of(exchanges_[index].parts, is_begun)) {
+  const bool has_begun = exchange.was_on_wire && exchange.plan && !exchange.plan->is_read();
+  if (!has_begun && std::ranges::none_of(exchange.parts, is_begun)) {
     cancel(index);
   }
 }

@@ -25,6 +25,8 @@ class Exchanges {
 
   /// A new exchange, with the settings in force. Returns its index.
   std::uint32_t open();
+  /// The same with a plan.
+  std::uint32_t open(routing::Plan plan);
   [[nodiscard]] Exchange& operator[](std::uint32_t index) { return exchanges_[index]; }
   /// When the time of a request that arrived at `exchange.arrival` is over.
   [[nodiscard]] Instant deadline_of(const Exchange& exchange) const;
@@ -35,6 +37,9 @@ class Exchanges {
   /// Adds a job to an exchange; it is still to be submitted.
   bus::Job& add_job(std::uint32_t index, BusId bus, Turns turns, Instant deadline);
   void submit(std::uint32_t index, Instant now);
+  /// A stop of a client whose bus was given up: the bus that has its number now begins it anew.
+  /// False: it is none, or was abandoned.
+  bool begin_anew(bus::Job& job, BusId bus, Instant now);
   /// A bus has ended a job.
   void end(bus::Job& job, bus::Ending ending);
   /// Withdraws what waits. What is on the wire goes on, but is not repeated for a client that has
@@ -56,6 +61,8 @@ class Exchanges {
     return found;
   }
   [[nodiscard]] std::size_t open_count() const { return exchanges_.in_use(); }
+  /// The transactions of their plans.
+  [[nodiscard]] std::size_t planned() const { return planned_; }
 
   /// New settings are in force: jobs that would mean something else now are withdrawn.
   void end_changed(const SettingsSnapshot& old);
@@ -69,6 +76,7 @@ class Exchanges {
   Pool<Exchange> exchanges_;
   Pool<bus::Job> jobs_;
   bus::ActionQueue<std::uint32_t> completed_;
+  std::size_t planned_ = 0;
 };
 
 }  // namespace mbgate::gateway

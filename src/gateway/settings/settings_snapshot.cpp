@@ -72,8 +72,12 @@ bool unit_means_otherwise(ListenerId listener, std::uint8_t unit, const Settings
   }
   const routing::Route& from = before->route;
   const routing::Route& to = after->route;
+  const auto leads_to_other_end = [&](BusId bus) {
+    return !old.settings.bus(bus).line.has_end_of(next.settings.bus(bus).line);
+  };
   if (before->is_broadcast() != after->is_broadcast() || from.buses != to.buses ||
-      from.word_order != to.word_order || from.windows != to.windows) {
+      from.word_order != to.word_order || from.windows != to.windows ||
+      std::ranges::any_of(to.buses, leads_to_other_end)) {
     return true;
   }
   if (after->is_broadcast()) {

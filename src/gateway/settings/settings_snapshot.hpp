@@ -101,8 +101,8 @@ class SettingsHistory {
                                      BusId bus);
 
 /// Does the unit lead to another device or to other registers, is it understood otherwise, or does
-/// it no longer lead anywhere? A bus is the same one as long as it keeps its name, whatever its
-/// port. The listener is one of `old`.
+/// it no longer lead anywhere? A bus on another port has other devices. The listener is one of
+/// `old`.
 [[nodiscard]] bool unit_means_otherwise(ListenerId listener, std::uint8_t unit,
                                         const SettingsSnapshot& old, const SettingsSnapshot& next);
 

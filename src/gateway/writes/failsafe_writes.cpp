@@ -132,7 +132,7 @@ void FailsafeWrites::client_gone(ClientId client, Instant now) {
 }
 
 bool FailsafeWrites::send_due(Instant now) {
-  if (!earliest_ || now < *earliest_) {
+  if (!earliest_ || now < next()) {
     return false;
   }
   earliest_.reset();

@@ -15,6 +15,9 @@
 
 namespace mbgate::gateway {
 
+/// After the process stood still the driver reads all sockets at once: long before this is over.
+inline constexpr Duration kToRead = std::chrono::milliseconds(100);
+
 class FailsafeWrites {
  public:
   FailsafeWrites(const SettingsHistory& settings, Exchanges& exchanges, WriteRules& rules,
@@ -26,7 +29,11 @@ class FailsafeWrites {
   void client_gone(ClientId client, Instant now);
 
   /// When send_due() may have something to do, at the earliest.
-  [[nodiscard]] std::optional<Instant> next() const { return earliest_; }
+  [[nodiscard]] std::optional<Instant> next() const {
+    return earliest_ ? std::optional(std::max(*earliest_, not_before_)) : std::nullopt;
+  }
+  /// The process stood still: nobody counts as silent before what lies in the sockets is read.
+  void stalled(Instant now) { not_before_ = now + kToRead; }
   /// Sends what is due; false if nothing is.
   bool send_due(Instant now);
   /// The gateway stops: sends what `failsafe_on_exit` asks for, and reports what stays due.
@@ -73,6 +80,7 @@ class FailsafeWrites {
   ActionQueue& actions_;
   std::map<std::size_t, Watch> watches_;  // of the devices that have failsafe writes
   std::optional<Instant> earliest_;       // no watch acts before
+  Instant not_before_ = Instant::min();   // nor before this
   bool stopping_ = false;
 };
 

@@ -156,6 +156,19 @@ TEST(MbapEncode, LongestAduHas260Bytes) {
   EXPECT_EQ(load_be16({bytes.data(), bytes.size()}, 4), 254);
 }
 
+TEST(OtherProtocol, IsKnownByItsFirstBytes) {
+  const auto of = [](std::string_view text) {
+    return other_protocol({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  };
+  EXPECT_EQ(of(":010300000001FB\r\n"), "Modbus ASCII");
+  EXPECT_EQ(of("\x16\x03\x01\x02"), "TLS");
+  EXPECT_EQ(of("GET / HTTP/1.1"), "HTTP");
+  EXPECT_EQ(of("OPTIONS * HTTP/1.1"), "HTTP");
+  for (const auto* other : {"", "\x16", "GET", "AB /", "get /", "GET/"}) {
+    EXPECT_EQ(of(other), "") << other;
+  }
+}
+
 TEST(LooksLikeRtu, RecognisesRequestsWithTheirCrc) {
   EXPECT_TRUE(looks_like_rtu(bytes_of("01 03 00 1E 00 02 A4 0D")));
   EXPECT_TRUE(looks_like_rtu(bytes_of("0B 06 00 1D 01 2C 19 2B")));

@@ -70,6 +70,14 @@ TEST_F(IntakeAlone, EndsWhereFramingIsLost) {
   EXPECT_EQ(reports<gateway::ClientFramingLost>(actions_).size(), 1U);
 }
 
+TEST_F(IntakeAlone, SaysWhatAStreamLooksLike) {
+  come("3A 30 31 30 33 30 30");
+  EXPECT_TRUE(intake_.front(session_).framing_lost);
+  const auto lost = reports<gateway::ClientFramingLost>(actions_);
+  ASSERT_EQ(lost.size(), 1U);
+  EXPECT_EQ(lost[0].sends, "Modbus ASCII");
+}
+
 TEST_F(IntakeAlone, SaysThatFramingIsLostOnlyIfItDoesNotLookLikeRtu) {
   come("0B 06 00 1D 01 2C 19 2B");
   EXPECT_TRUE(intake_.front(session_).framing_lost);

@@ -50,7 +50,8 @@ TEST(Gateway, BroadcastsToSeveralBusesAndAnswersWhenAllHaveTransmitted) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 03 00 86 0A"));
 }
 
-TEST(Gateway, ABroadcastThatOneLineHasGotAndAnotherOneCouldNotHadNoPath) {
+/// Unit 0 leads to both buses, unit 7 to the second one.
+Settings two_lines() {
   Settings settings = one_bus();
   settings.buses.push_back(settings.buses[0]);
   settings.routes.clear();
@@ -58,7 +59,29 @@ TEST(Gateway, ABroadcastThatOneLineHasGotAndAnotherOneCouldNotHadNoPath) {
   auto& route = settings.routes.emplace_back();
   route.first_unit = route.last_unit = route.first_address = 7;
   route.buses = {BusId{1}};
+  return settings;
+}
+
+// The drives of one line have it already.
+TEST(Gateway, ABroadcastThatHasBegunIsFinishedThoughItsClientAsksSomethingElse) {
+  Settings settings = two_lines();
+  settings.listeners[0].one_at_a_time = true;
   MachineRig rig(settings);
+  rig.connect(1);
+  rig.connect(2, "192.0.2.2");
+  rig.receive(2, "0001 0000 0006 07 03 0000 0001");
+  rig.receive(1, "0002 0000 0006 00 06 007C 00E1");
+  rig.advance(5ms);
+  EXPECT_EQ(rig.take_transmitted(0).size(), 1U);
+  EXPECT_EQ(rig.take_transmitted(1).size(), 1U) << "the read";
+  rig.receive(1, "0003 0000 0006 07 03 0000 0001");
+  rig.respond("07 03 02 00 05", 1);
+  rig.advance(5ms);
+  EXPECT_THAT(rig.take_transmitted(1), ElementsAre("00 06 00 7C 00 E1 89 8B"));
+}
+
+TEST(Gateway, ABroadcastThatOneLineHasGotAndAnotherOneCouldNotHadNoPath) {
+  MachineRig rig(two_lines());
   rig.connect(1);
   rig.receive(1, "0001 0000 0006 07 03 0000 0001");
   rig.receive(1, "0002 0000 0006 00 06 007C 00E1");

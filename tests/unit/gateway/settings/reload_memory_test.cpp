@@ -117,6 +117,20 @@ TEST(ReloadMemory, RequestsBehindAFullPipelineDoNotGoToAnotherDrive) {
               testing::UnorderedElementsAre(kOne, busy(2), "00 03 00 00 00 03 01 83 06"));
 }
 
+TEST(ReloadMemory, NorToTheSameAddressOnAnotherPort) {
+  Settings settings = stop_plant(1);
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, read_request(1) + write_request(2));
+  settings.buses[0].line.device = "/dev/ttyS7";
+  rig.reload(settings);
+  rig.open_line(0);
+  rig.take_transmitted(0);
+  rig.advance(10ms);
+  EXPECT_THAT(take_requests(rig), testing::IsEmpty());
+  EXPECT_THAT(rig.take_sent(1), testing::Contains(busy(2)));
+}
+
 TEST(ReloadMemory, NorDoTheyAfterTheUnitHasLedElsewhereAndBack) {
   MachineRig rig(stop_plant());
   rig.connect(1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Other settings while a drive is asked for its word order.
+// Other settings while a drive is asked for its word order, or a stop is under way.
 #include <gmock/gmock.h>
 
 #include "unit/gateway/writes/stop_plant.hpp"
@@ -71,6 +71,28 @@ TEST(ReloadOfDrives, AsksAgainThoughTheRegisterOfBeforeHeldTheOrder) {
   rig.receive(1, "0002 0000 000B 01 10 001E 0002 04 0001 0002");
   rig.advance(10ms);
   EXPECT_THAT(take_requests(rig), ElementsAre("01 03 00 0A 00 01"));
+}
+
+// The drive is still where it was.
+TEST(ReloadOfLines, RepeatsAStopAtAnotherRateButNotOnAnotherPort) {
+  for (const char* device : {"/dev/ttyS0", "/dev/ttyS7"}) {
+    Settings settings = stop_plant();
+    settings.buses[0].line.device = "/dev/ttyS0";
+    MachineRig rig(settings);
+    rig.connect(1);
+    rig.receive(1, read_request(1) + stop_request(2));
+    take_requests(rig);
+    settings.buses[0].line.baud = modbus::Baud{9600};
+    settings.buses[0].line.device = device;
+    rig.reload(settings);
+    rig.open_line(0);
+    rig.advance(10ms);
+    const bool is_same = settings.buses[0].line.device == "/dev/ttyS0";
+    EXPECT_EQ(take_requests(rig), is_same ? Lines{kStop1} : Lines{}) << device;
+    rig.respond(kStop1, 0);
+    EXPECT_THAT(rig.take_sent(1),
+                testing::Contains(is_same ? written(2, 1, true) : "00 02 00 00 00 03 01 86 0B"));
+  }
 }
 
 }  // namespace

@@ -205,6 +205,16 @@ TEST_F(SilentClient, IsSilentThoughItAsksAnotherDrive) {
   expect_writes();
 }
 
+// Nobody was heard while the process stood still: what its clients asked lies in the sockets.
+TEST_F(SilentClient, WasNotSilentIfItAskedWhileTheProcessStoodStill) {
+  write(rig_, 1);
+  rig_.harness.handle(gateway::Stalled{5s}, rig_.harness.now() + 5s);
+  ask(rig_, 1, 1);
+  expect_none(2900ms);
+  rig_.advance(100ms);
+  expect_writes();
+}
+
 // Nothing of before its write counts.
 TEST_F(SilentClient, WhoWritesAfterALongTimeIsNot) {
   rig_.advance(1h);
