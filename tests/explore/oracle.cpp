@@ -182,16 +182,21 @@ void Oracle::hold(Flight& closed, Instant now) {
   const auto count = std::ranges::count_if(flights_, is_open);
   const bool is_quick =
       running_ == closed.serial && now < closed.left + timing().response_timeout / 4;
-  book.forgets_at =
-      count == 0 ? Instant::min()
-                 : now + std::min<Duration>(2 * count * (now - oldest), timing().quarantine_max);
+  const auto had_no_time = [&](const Flight& it) {
+    return is_open(it) && sent_at(it) >= book.forgets_at;
+  };
+  if (count == 0) {
+    book.forgets_at = Instant::min();
+  } else if (!is_quick || std::ranges::any_of(flights_, had_no_time)) {
+    book.forgets_at = now + std::min<Duration>(2 * count * (now - oldest), timing().quarantine_max);
+  }
   if (count == 0 || !is_quick) {
     book.owes_until = book.forgets_at;
   }
 }
 
 // What has not come when it was held for long enough is lost. A gateway may hold a device that owes
-// nothing more, too.
+// nothing more, too, unless what it has not answered had been waited for before.
 void Oracle::forget(std::uint8_t device, Instant now) {
   const Instant forgets_at = books_[device].forgets_at;
   for (Flight& flight : flights_) {

@@ -124,7 +124,11 @@ void Judge::check_answered() {
     const auto stops = std::ranges::count_if(ledger_.asked, [&](const Asked& it) {
       return it.connection == at && it.intent.kind == Kind::stop && waits(it);
     });
-    const bool is_replaced = listener.one_at_a_time && asked.intent.kind == Kind::broadcast;
+    const bool is_replaced =
+        listener.one_at_a_time && (asked.intent.kind == Kind::broadcast ||
+                                   std::ranges::any_of(ledger_.asked, [&](const Asked& it) {
+                                     return it.connection == at && &it > &asked;
+                                   }));
     if (asked.intent.kind != Kind::stop && !is_replaced && (stops == 0 || !listener.ordered) &&
         !is_overfull(at, ledger_.rested)) {
       violation("unanswered", name(asked));
