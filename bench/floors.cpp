@@ -18,7 +18,7 @@
 #include <system_error>
 #include <thread>
 
-#include "modbus/checksum.hpp"
+#include "modbus/frames.hpp"
 #include "moment.hpp"
 
 namespace mbgate::bench {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "counted_new.hpp"
-#include "modbus/checksum.hpp"
+#include "modbus/frames.hpp"
 #include "plant.hpp"
 #include "support/gateway_harness.hpp"
 

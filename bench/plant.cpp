@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plant.hpp"
 
-#include "modbus/checksum.hpp"
+#include "modbus/frames.hpp"
 
 namespace mbgate::bench {
 namespace {

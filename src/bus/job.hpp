@@ -14,8 +14,8 @@
 
 #include "bus/instant.hpp"
 #include "drive/device.hpp"
+#include "modbus/frames.hpp"
 #include "modbus/request.hpp"
-#include "modbus/rtu.hpp"
 
 namespace mbgate::bus {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "bus/job.hpp"
-#include "modbus/rtu.hpp"
+#include "modbus/frames.hpp"
 
 namespace mbgate::bus {
 

@@ -14,8 +14,8 @@
 #include "drive/register_range.hpp"
 #include "drive/value_set.hpp"
 #include "drive/word_order.hpp"
+#include "modbus/frames.hpp"
 #include "modbus/request.hpp"
-#include "modbus/rtu.hpp"
 #include "modbus/rtu_timing.hpp"
 
 namespace mbgate::drive {

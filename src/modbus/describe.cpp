@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
+#include "modbus/frames.hpp"
 #include "modbus/mbap.hpp"
 #include "modbus/response.hpp"
-#include "modbus/rtu.hpp"
 
 namespace mbgate::modbus {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "modbus/checksum.hpp"
+#include "modbus/frames.hpp"
 
 namespace mbgate::modbus {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "modbus/make_request.hpp"
+#include "modbus/request.hpp"
 #include "routing/plan.hpp"
 #include "routing/special_writes.hpp"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "modbus/make_request.hpp"
+#include "modbus/request.hpp"
 #include "routing/special_writes.hpp"
 
 namespace mbgate::routing {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "routing/plan.hpp"
 
-#include "modbus/make_request.hpp"
-#include "modbus/rtu.hpp"
+#include "modbus/frames.hpp"
+#include "modbus/request.hpp"
 #include "routing/broadcast_plan.hpp"
 #include "routing/device_plan.hpp"
 #include "routing/special_writes.hpp"

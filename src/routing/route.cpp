@@ -5,7 +5,7 @@
 
 #include "drive/register_range.hpp"
 #include "modbus/codes.hpp"
-#include "modbus/make_request.hpp"
+#include "modbus/request.hpp"
 
 namespace mbgate::routing {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "modbus/rtu.hpp"
+#include "modbus/frames.hpp"
 #include "routing/broadcast_plan.hpp"
 
 namespace mbgate::routing {

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "config/profiles/profile_library.hpp"
-#include "modbus/rtu.hpp"
+#include "modbus/frames.hpp"
 #include "unit/gateway/exchanges/printed_examples.hpp"
 
 namespace mbgate::test {

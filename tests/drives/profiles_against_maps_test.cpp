@@ -7,7 +7,7 @@
 
 #include "drives/drive_bench.hpp"
 #include "drives/simulated_maps.hpp"
-#include "modbus/make_request.hpp"
+#include "modbus/request.hpp"
 #include "sim/drives/aic_drive.hpp"
 #include "sim/drives/moons_drive.hpp"
 #include "sim/drives/stepper_drive.hpp"

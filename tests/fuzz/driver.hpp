@@ -9,7 +9,7 @@
 
 #include "fuzz/fuzz.hpp"
 #include "fuzz/plant.hpp"
-#include "modbus/ascii.hpp"
+#include "modbus/frames.hpp"
 #include "support/gateway_harness.hpp"
 
 namespace mbgate::fuzz {

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "gateway/settings.hpp"
-#include "modbus/make_request.hpp"
+#include "modbus/request.hpp"
 
 namespace mbgate::fuzz {
 

@@ -5,7 +5,7 @@
 
 #include "config/profiles/profile_file.hpp"
 #include "fuzz/fuzz.hpp"
-#include "modbus/make_request.hpp"
+#include "modbus/request.hpp"
 #include "routing/plan.hpp"
 
 namespace mbgate::fuzz::profile_target {

@@ -6,7 +6,7 @@
 
 #include "fuzz/fuzz.hpp"
 #include "gateway/access/who.hpp"
-#include "modbus/make_request.hpp"
+#include "modbus/request.hpp"
 #include "support/config_text.hpp"
 
 namespace mbgate::fuzz::rules_target {

@@ -121,7 +121,7 @@ class ASwitchedText(Piece):
 
 class AnOrder(unittest.TestCase):
     def test_is_the_same_for_a_seed_and_has_each_mutator_early(self):
-        file = "src/modbus/checksum.cpp"
+        file = "src/modbus/frames.cpp"
         places = [mutators.Mutant(file, at, at + 1, name, None, "on") for name in mutators.MUTATORS for at in range(50)]
         self.assertEqual(mutate.in_order(places, 3), mutate.in_order(places[::-1], 3))
         self.assertNotEqual(mutate.in_order(places, 3), mutate.in_order(places, 4))
@@ -129,7 +129,7 @@ class AnOrder(unittest.TestCase):
 
 
 class TheCompilerRefuses(unittest.TestCase):
-    FILE = "src/modbus/checksum.cpp"
+    FILE = "src/modbus/frames.cpp"
 
     def refused(self, text):
         build = mutate.Build(pathlib.Path("/build"), None)

@@ -7,7 +7,7 @@
 
 #include "config/toml/match_entry.hpp"
 #include "gateway/access/who.hpp"
-#include "modbus/make_request.hpp"
+#include "modbus/request.hpp"
 
 namespace mbgate::app {
 namespace {

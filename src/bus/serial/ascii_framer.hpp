@@ -12,7 +12,7 @@
 #include "bus/counters.hpp"
 #include "bus/job.hpp"
 #include "bus/serial/verdict.hpp"
-#include "modbus/ascii.hpp"
+#include "modbus/frames.hpp"
 #include "modbus/rtu_timing.hpp"
 
 namespace mbgate::bus {

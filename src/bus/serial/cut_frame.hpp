@@ -7,7 +7,7 @@
 #include <boost/container/static_vector.hpp>
 
 #include "bus/instant.hpp"
-#include "modbus/rtu.hpp"
+#include "modbus/frames.hpp"
 
 namespace mbgate::bus {
 

@@ -4,9 +4,9 @@
 
 #include <optional>
 
+#include "modbus/frames.hpp"
 #include "modbus/request.hpp"
 #include "modbus/response.hpp"
-#include "modbus/rtu.hpp"
 
 namespace mbgate::bus {
 

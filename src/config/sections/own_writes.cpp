@@ -6,7 +6,7 @@
 
 #include "config/sections/sections.hpp"
 #include "config/toml/match_entry.hpp"
-#include "modbus/make_request.hpp"
+#include "modbus/request.hpp"
 
 namespace mbgate::config {
 namespace {

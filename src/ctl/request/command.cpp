@@ -4,7 +4,7 @@
 #include <fmt/core.h>
 
 #include "drive/profile.hpp"
-#include "modbus/make_request.hpp"
+#include "modbus/request.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "config/profiles/profile_file.hpp"
-#include "modbus/make_request.hpp"
+#include "modbus/request.hpp"
 
 namespace mbgate::ctl {
 

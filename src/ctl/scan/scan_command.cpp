@@ -12,7 +12,7 @@
 #include "ctl/request/modbus_client.hpp"
 #include "ctl/scan/scan.hpp"
 #include "ctl/scan/scan_report.hpp"
-#include "modbus/make_request.hpp"
+#include "modbus/request.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "modbus/make_request.hpp"
+#include "modbus/request.hpp"
 #include "modbus/response.hpp"
 
 namespace mbgate::ctl {

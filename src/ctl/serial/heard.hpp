@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "modbus/bytes.hpp"
+#include "modbus/frames.hpp"
 #include "modbus/request.hpp"
-#include "modbus/rtu.hpp"
 
 namespace mbgate::ctl {
 

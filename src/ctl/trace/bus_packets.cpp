@@ -6,11 +6,10 @@
 
 #include "ctl/trace/trace_capture.hpp"
 #include "ctl/trace/trace_event.hpp"
-#include "modbus/ascii.hpp"
+#include "modbus/frames.hpp"
 #include "modbus/mbap.hpp"
 #include "modbus/request.hpp"
 #include "modbus/response.hpp"
-#include "modbus/rtu.hpp"
 
 namespace mbgate::ctl {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "modbus/ascii.hpp"
+#include "modbus/frames.hpp"
 #include "modbus/mbap.hpp"
 
 namespace mbgate::gateway {

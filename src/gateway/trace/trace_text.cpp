@@ -3,12 +3,10 @@
 #include <fmt/core.h>
 
 #include "gateway/trace/trace_record.hpp"
-#include "modbus/ascii.hpp"
-#include "modbus/checksum.hpp"
 #include "modbus/describe.hpp"
+#include "modbus/frames.hpp"
 #include "modbus/request.hpp"
 #include "modbus/response.hpp"
-#include "modbus/rtu.hpp"
 
 namespace mbgate::gateway {
 namespace {

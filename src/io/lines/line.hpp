@@ -25,7 +25,7 @@
 #include "io/blocking_calls.hpp"
 #include "io/lines/open_ends.hpp"
 #include "modbus/bytes.hpp"
-#include "modbus/rtu.hpp"
+#include "modbus/frames.hpp"
 #include "sys/unique_fd.hpp"
 
 namespace mbgate::io {

@@ -13,7 +13,7 @@
 #include "bus/settings.hpp"
 #include "io/lines/line.hpp"
 #include "io/lines/tty.hpp"
-#include "modbus/rtu.hpp"
+#include "modbus/frames.hpp"
 
 namespace mbgate::io {
 

@@ -10,9 +10,8 @@
 #include <vector>
 
 #include "bus/instant.hpp"
-#include "modbus/ascii.hpp"
 #include "modbus/bytes.hpp"
-#include "modbus/rtu.hpp"
+#include "modbus/frames.hpp"
 
 namespace mbgate::sim {
 

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "drive/device.hpp"
-#include "modbus/make_request.hpp"
+#include "modbus/request.hpp"
 
 namespace mbgate::drive {
 namespace {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "gateway/lines.hpp"
-#include "modbus/rtu.hpp"
+#include "modbus/frames.hpp"
 #include "support/action_text.hpp"
 #include "unit/gateway/parts_plant.hpp"
 

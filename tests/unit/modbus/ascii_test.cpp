@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The FDA6000's manual describes ASCII frames (2.2) and prints its examples in RTU (section 6): the
 // same addresses and PDUs in ASCII, LRCs added up by hand.
-#include "modbus/ascii.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +8,7 @@
 #include <string_view>
 
 #include "manuals/vectors.hpp"
+#include "modbus/frames.hpp"
 #include "unit/modbus/bytes_of.hpp"
 
 namespace mbgate::modbus {

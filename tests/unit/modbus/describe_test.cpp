@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "modbus/rtu.hpp"
+#include "modbus/frames.hpp"
 #include "unit/modbus/bytes_of.hpp"
 
 namespace mbgate::modbus {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "modbus/checksum.hpp"
+#include "modbus/frames.hpp"
 #include "unit/modbus/bytes_of.hpp"
 
 namespace mbgate::modbus {

@@ -8,9 +8,9 @@
 #include <map>
 
 #include "manuals/vectors.hpp"
+#include "modbus/frames.hpp"
 #include "modbus/mbap.hpp"
 #include "modbus/response.hpp"
-#include "modbus/rtu.hpp"
 #include "unit/modbus/bytes_of.hpp"
 
 namespace mbgate::modbus {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "modbus/rtu.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "modbus/frames.hpp"
 #include "unit/modbus/bytes_of.hpp"
 
 namespace mbgate::modbus {

@@ -6,7 +6,7 @@
 
 #include "bus/serial/echo.hpp"
 #include "echo_rig.hpp"
-#include "modbus/rtu.hpp"
+#include "modbus/frames.hpp"
 
 namespace mbgate::test {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "modbus/checksum.hpp"
+#include "modbus/frames.hpp"
 #include "rtu_framer_rig.hpp"
 
 namespace mbgate::test::rtu_framer_test {

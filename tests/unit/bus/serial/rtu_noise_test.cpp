@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bytes before an answer that are no part of it.
-#include "modbus/checksum.hpp"
+#include "modbus/frames.hpp"
 #include "rtu_framer_rig.hpp"
 
 namespace mbgate::test::rtu_noise_test {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "modbus/make_request.hpp"
+#include "modbus/request.hpp"
 #include "support/hex.hpp"
 
 namespace mbgate::test {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "ctl/doctor/trial.hpp"
-#include "modbus/rtu.hpp"
+#include "modbus/frames.hpp"
 #include "printed_finding.hpp"
 
 namespace mbgate::ctl {

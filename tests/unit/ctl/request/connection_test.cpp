@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "ctl/request/modbus_client.hpp"
-#include "modbus/make_request.hpp"
+#include "modbus/request.hpp"
 #include "scripted_server.hpp"
 
 namespace mbgate::ctl {

@@ -2,9 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "ctl/trace/trace_capture.hpp"
-#include "modbus/ascii.hpp"
 #include "modbus/describe.hpp"
-#include "modbus/rtu.hpp"
+#include "modbus/frames.hpp"
 #include "support/hex.hpp"
 #include "trace_records.hpp"
 

@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "manuals/vectors.hpp"
-#include "modbus/rtu.hpp"
+#include "modbus/frames.hpp"
 #include "support/machine_rig.hpp"
 
 namespace mbgate::test {

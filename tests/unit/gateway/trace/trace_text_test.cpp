@@ -2,8 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "gateway/trace/trace_record.hpp"
-#include "modbus/ascii.hpp"
-#include "modbus/rtu.hpp"
+#include "modbus/frames.hpp"
 #include "support/hex.hpp"
 
 namespace mbgate::test {

@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "manuals/vectors.hpp"
-#include "modbus/rtu.hpp"
+#include "modbus/frames.hpp"
 #include "sim/drives/moons_drive.hpp"
 #include "unit/sim/drives/drive_rig.hpp"
 

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "manuals/vectors.hpp"
-#include "modbus/rtu.hpp"
+#include "modbus/frames.hpp"
 #include "unit/sim/drives/drive_rig.hpp"
 
 namespace mbgate::test::stepper_drive_test {
