@@ -10,7 +10,6 @@
 #include "bus/job.hpp"
 #include "gateway/settings.hpp"
 #include "routing/client_address.hpp"
-#include "routing/client_role.hpp"
 
 namespace mbgate::gateway {
 

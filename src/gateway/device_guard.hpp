@@ -8,7 +8,7 @@
 
 #include "bus/instant.hpp"
 #include "modbus/request.hpp"
-#include "routing/client_role.hpp"
+#include "routing/client_address.hpp"
 
 namespace mbgate::gateway {
 

@@ -12,7 +12,6 @@
 #include "gateway/device_guard.hpp"
 #include "routing/access_rules.hpp"
 #include "routing/client_address.hpp"
-#include "routing/client_role.hpp"
 #include "routing/route.hpp"
 
 namespace mbgate::gateway {

@@ -13,7 +13,6 @@
 
 #include "drive/device.hpp"
 #include "routing/client_address.hpp"
-#include "routing/client_role.hpp"
 #include "routing/register_set.hpp"
 #include "routing/route.hpp"
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "routing/broadcast_plan.hpp"
-
 #include <algorithm>
 
 #include "modbus/request.hpp"
+#include "routing/device_plan.hpp"
 #include "routing/plan.hpp"
 #include "routing/special_writes.hpp"
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "modbus/frames.hpp"
-#include "routing/broadcast_plan.hpp"
+#include "routing/device_plan.hpp"
 
 namespace mbgate::routing {
 namespace {

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "routing/resolved_route.hpp"
+#include "routing/route.hpp"
 
 namespace mbgate::routing {
 

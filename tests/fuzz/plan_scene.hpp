@@ -7,7 +7,7 @@
 
 #include "fuzz/client_view.hpp"
 #include "fuzz/fuzz.hpp"
-#include "routing/resolved_route.hpp"
+#include "routing/route.hpp"
 
 namespace mbgate::fuzz {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "fuzz/fuzz.hpp"
-#include "routing/client_role.hpp"
+#include "routing/client_address.hpp"
 
 namespace mbgate::fuzz::role_target {
 namespace {

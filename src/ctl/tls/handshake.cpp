@@ -18,7 +18,7 @@
 #include <utility>
 
 #include "ctl/visible_text.hpp"
-#include "routing/client_role.hpp"
+#include "routing/client_address.hpp"
 #include "sys/tls_stream.hpp"
 
 namespace mbgate::ctl {

@@ -6,7 +6,6 @@
 
 #include "gateway/access/rule_verdict.hpp"
 #include "gateway/writes/write_rules.hpp"
-#include "routing/resolved_route.hpp"
 #include "routing/route.hpp"
 
 namespace mbgate::gateway {

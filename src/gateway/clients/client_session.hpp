@@ -15,7 +15,7 @@
 #include "gateway/limits.hpp"
 #include "modbus/bytes.hpp"
 #include "modbus/mbap.hpp"
-#include "routing/resolved_route.hpp"
+#include "routing/route.hpp"
 
 namespace mbgate::gateway {
 

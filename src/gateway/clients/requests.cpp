@@ -6,7 +6,7 @@
 
 #include "base/assert.hpp"
 #include "gateway/settings/settings_snapshot.hpp"
-#include "routing/broadcast_plan.hpp"
+#include "routing/device_plan.hpp"
 
 namespace mbgate::gateway {
 namespace {

@@ -12,7 +12,7 @@
 #include "io/tls/fingerprint.hpp"
 #include "io/tls/pem_files.hpp"
 #include "io/tls/signer_client.hpp"
-#include "routing/client_role.hpp"
+#include "routing/client_address.hpp"
 
 namespace mbgate::io {
 namespace {

@@ -19,7 +19,7 @@
 #include "bus/instant.hpp"
 #include "gateway/settings.hpp"
 #include "modbus/result.hpp"
-#include "routing/client_role.hpp"
+#include "routing/client_address.hpp"
 #include "sys/openssl.hpp"
 #include "sys/unique_fd.hpp"
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // One unit-0 write in every form that the devices on a bus use.
-#include "routing/broadcast_plan.hpp"
-
 #include <algorithm>
 
 #include "broadcast_rig.hpp"
+#include "routing/device_plan.hpp"
 
 namespace mbgate::test {
 namespace {

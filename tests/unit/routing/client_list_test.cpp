@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "routing/client_role.hpp"
+#include "routing/client_address.hpp"
 
 namespace mbgate::routing::client_list_test {
 namespace {

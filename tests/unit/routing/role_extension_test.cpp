@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "routing/client_role.hpp"
+#include "routing/client_address.hpp"
 
 namespace mbgate::routing {
 namespace {
