@@ -2,6 +2,23 @@
 #include "drive/device.hpp"
 
 namespace mbgate::drive {
+namespace {
+
+constexpr std::size_t kMultipleWriteData = 6;  // offset in the PDU (6.12)
+constexpr std::size_t kReadWriteData = 10;     // (6.17)
+
+bool writes_position_opcode(const Device& device, const modbus::Request& request) {
+  const auto& opcodes = device.profile.position_opcodes;
+  const auto opcode = opcodes ? request.written(opcodes->address) : std::nullopt;
+  return opcode && std::ranges::find(opcodes->opcodes, *opcode) != opcodes->opcodes.end();
+}
+
+bool writes_position(const Device& device, const modbus::Request& request) {
+  const std::uint16_t position = device.profile.position_opcodes->position;
+  return request.written(position) && request.written(static_cast<std::uint16_t>(position + 1));
+}
+
+}  // namespace
 
 DeviceTiming Device::timing_of(const modbus::Request& request) const {
   DeviceTiming times = timing;
@@ -82,6 +99,50 @@ std::optional<Duration> Device::silent_after(const modbus::Request& request) con
     }
   }
   return std::nullopt;
+}
+
+bool Device::touches_value(const modbus::Request& request) const {
+  const auto holds = [&](const std::optional<modbus::AddressField>& field) {
+    return field && profile.values.any_in(field->range);
+  };
+  return holds(request.reads()) || holds(request.writes());
+}
+
+bool Device::cuts_value(const modbus::TableRange& range) const {
+  const auto is_inside = [&](std::uint32_t border) {
+    const Value* value = profile.values.at(range.table, border);
+    return value != nullptr && value->first < border;
+  };
+  return is_inside(range.first) || is_inside(end_of(range));
+}
+
+bool Device::has_uncertain_position(WordOrder seen, const modbus::Request& request) const {
+  if (!writes_position_opcode(*this, request)) {
+    return false;
+  }
+  if (!opcode_order) {
+    return word_order && *word_order != seen;
+  }
+  // A position that was written before cannot be exchanged any more.
+  return *opcode_order != seen && !writes_position(*this, request);
+}
+
+std::vector<std::uint8_t> Device::data_in_order(std::optional<WordOrder> seen,
+                                                const modbus::Request& request) const {
+  const std::size_t offset = request.function() == 0x17 ? kReadWriteData : kMultipleWriteData;
+  const modbus::Bytes bytes = request.pdu().bytes().subspan(offset);
+  std::vector<std::uint8_t> data(bytes.begin(), bytes.end());
+  const modbus::TableRange& range = request.writes()->range;
+  if (seen && word_order && *seen != *word_order) {
+    WordExchange(profile.values, range).apply(data);
+  }
+  const bool other_position = seen && opcode_order && *opcode_order != *seen;
+  if (other_position && writes_position_opcode(*this, request) && writes_position(*this, request)) {
+    ValueSet position;
+    position.add({modbus::Table::holding_registers, profile.position_opcodes->position});
+    WordExchange(position, range).apply(data);
+  }
+  return data;
 }
 
 }  // namespace mbgate::drive

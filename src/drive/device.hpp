@@ -121,6 +121,20 @@ struct Device {
   [[nodiscard]] bool takes_limited(const modbus::Request& request, modbus::Bytes response) const;
   /// The boot time that follows a request which is never answered; nothing for others.
   [[nodiscard]] std::optional<Duration> silent_after(const modbus::Request& request) const;
+
+  /// Does the request read or write any value (32 or 64 bits), or a part of one?
+  [[nodiscard]] bool touches_value(const modbus::Request& request) const;
+  /// Does the range hold a part of a value at one of its ends?
+  [[nodiscard]] bool cuts_value(const modbus::TableRange& range) const;
+  /// Does the request write an opcode whose position parameter has an unknown word order, for a
+  /// client that sees values in the order `seen`? If the order is configured (`opcode_order`), the
+  /// position is certain when it is written together with its opcode.
+  [[nodiscard]] bool has_uncertain_position(WordOrder seen, const modbus::Request& request) const;
+  /// The registers that a 16 or 23 writes, in the drive's word order. Where the client's order
+  /// `seen` differs, values are exchanged, and so is the position of an opcode whose order is
+  /// configured.
+  [[nodiscard]] std::vector<std::uint8_t> data_in_order(std::optional<WordOrder> seen,
+                                                        const modbus::Request& request) const;
 };
 
 }  // namespace mbgate::drive

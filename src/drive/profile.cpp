@@ -2,8 +2,6 @@
 
 #include "drive/profile.hpp"
 
-#include "drive/register_range.hpp"
-
 namespace mbgate::drive {
 
 bool may_write(const modbus::Request& request, const GuardedWrite& guarded,

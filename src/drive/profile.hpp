@@ -11,9 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "drive/register_range.hpp"
-#include "drive/value_set.hpp"
-#include "drive/word_order.hpp"
+#include "drive/values.hpp"
 #include "modbus/frames.hpp"
 #include "modbus/request.hpp"
 #include "modbus/rtu_timing.hpp"

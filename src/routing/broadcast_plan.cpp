@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "modbus/request.hpp"
 #include "routing/device_plan.hpp"
-#include "routing/plan.hpp"
-#include "routing/special_writes.hpp"
 
 namespace mbgate::routing {
 namespace {
@@ -79,7 +76,7 @@ bool same_values(const Device& a, const Device& b, const TableRange& range) {
 bool understand_alike(const Receivers& receivers, const Request& request) {
   const TableRange& range = request.writes()->range;
   if (std::ranges::none_of(receivers,
-                           [&](const Device* it) { return touches_value(*it, request); })) {
+                           [&](const Device* it) { return it->touches_value(request); })) {
     return true;
   }
   const Device& first = *receivers.front();
@@ -172,19 +169,19 @@ bool hold_it_whole(const Receivers& receivers, const Request& request) {
   const TableRange& range = request.writes()->range;
   return std::ranges::all_of(receivers, [&](const Device* device) {
     return range.count <= device->profile.limits.written_to(range.table) &&
-           !cuts_value(*device, range);
+           !device->cuts_value(range);
   });
 }
 
 // The request with its values in the order that the device speaks; nothing where that is uncertain.
 std::optional<Request> in_order_of(const Device& device, drive::WordOrder seen,
                                    const Request& request) {
-  if (has_uncertain_position(device, seen, request)) {
+  if (device.has_uncertain_position(seen, request)) {
     return std::nullopt;
   }
   return request.function() == 0x10
              ? modbus::make_multiple_write(request.writes()->range,
-                                           data_in_order(device, seen, request))
+                                           device.data_in_order(seen, request))
              : request;
 }
 

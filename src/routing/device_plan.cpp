@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "modbus/request.hpp"
-#include "routing/special_writes.hpp"
 
 namespace mbgate::routing {
 
@@ -57,7 +56,7 @@ Result<DevicePlan, ExceptionCode> Planner::make() {
   if (device_.is_reconfigured_by(request_, order) && !device_.allow_reconfigure) {
     return ExceptionCode::illegal_function;
   }
-  if (seen_ && has_uncertain_position(device_, *seen_, request_)) {
+  if (seen_ && device_.has_uncertain_position(*seen_, request_)) {
     return ExceptionCode::illegal_data_value;
   }
   switch (request_.function()) {
@@ -122,7 +121,7 @@ Result<DevicePlan, ExceptionCode> Planner::plan_read_write() {
   const TableRange& writes = request_.writes()->range;
   const TableRange range = widened(reads);
   // It reads and writes in one go, so it cannot be split.
-  const bool fits = !cuts_value(device_, writes) &&
+  const bool fits = !device_.cuts_value(writes) &&
                     writes.count <= profile_.limits.write_registers &&
                     cut(writes, writes.count, profile_).size() == 1 &&
                     cut(range, profile_.limits.read_from(range.table), profile_).size() == 1;
@@ -131,7 +130,7 @@ Result<DevicePlan, ExceptionCode> Planner::plan_read_write() {
   }
   DevicePlan plan;
   plan.requests.push_back(
-      modbus::make_read_write(range, writes, data_in_order(device_, seen_, request_)));
+      modbus::make_read_write(range, writes, device_.data_in_order(seen_, request_)));
   plan.reply = data_of(range, reads);
   return plan;
 }
@@ -154,10 +153,10 @@ Result<DevicePlan, ExceptionCode> Planner::plan_register_write() {
 
 Result<DevicePlan, ExceptionCode> Planner::plan_multiple_write() {
   const TableRange& range = request_.writes()->range;
-  if (cuts_value(device_, range)) {
+  if (device_.cuts_value(range)) {
     return ExceptionCode::illegal_data_value;
   }
-  const auto data = data_in_order(device_, seen_, request_);
+  const auto data = device_.data_in_order(seen_, request_);
   DevicePlan plan;
   plan.reply.form = Reply::Form::echo;
   if (device_.write_function == 0x06) {

@@ -6,7 +6,6 @@
 #include "modbus/frames.hpp"
 #include "modbus/request.hpp"
 #include "routing/device_plan.hpp"
-#include "routing/special_writes.hpp"
 
 namespace mbgate::routing {
 namespace {
@@ -166,7 +165,7 @@ void Plan::add_questions(const ResolvedRoute& resolved, BusId bus, const Request
   for (const BusDevices& known : resolved.devices_of_buses) {
     for (const drive::Device* device : known.devices) {
       if (known.bus == bus && device->verify_word_order && resolved.route.word_order &&
-          touches_value(*device, request)) {
+          device->touches_value(request)) {
         add_question(*device);
       }
     }
@@ -203,7 +202,7 @@ std::optional<ExceptionCode> Plan::add_device_requests(const ResolvedRoute& reso
     return planned.error();
   }
   if (device.verify_word_order && resolved.route.word_order && !request.is_read() &&
-      !device.is_stop(request) && touches_value(device, request)) {
+      !device.is_stop(request) && device.touches_value(request)) {
     add_question(device);
   }
   reply_ = planned->reply;

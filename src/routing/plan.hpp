@@ -3,7 +3,7 @@
 // responses become one. Pure data; the gateway carries it out.
 //
 // To change
-// - word order, splitting, widening, preferred functions: device_plan, drive/word_order.
+// - word order, splitting, widening, preferred functions: device_plan, drive/values.
 // - broadcasts: their forms on each bus, and devices that they do not reach: broadcast_plan;
 //   addresses that stand for a broadcast (129): route_table.
 // - guarded writes (communication registers, guarded values): Device::is_reconfigured_by() in
@@ -17,7 +17,7 @@
 #include <cstdint>
 #include <span>
 
-#include "drive/word_order.hpp"
+#include "drive/values.hpp"
 #include "modbus/request.hpp"
 #include "routing/route.hpp"
 

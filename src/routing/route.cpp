@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "drive/register_range.hpp"
+#include "drive/values.hpp"
 #include "modbus/codes.hpp"
 #include "modbus/request.hpp"
 

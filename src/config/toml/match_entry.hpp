@@ -11,7 +11,7 @@
 #include "bus/settings.hpp"
 #include "config/toml/toml_reader.hpp"
 #include "drive/profile.hpp"
-#include "drive/word_order.hpp"
+#include "drive/values.hpp"
 #include "modbus/request.hpp"
 
 namespace mbgate::config {

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "drive/word_order.hpp"
+#include "drive/values.hpp"
 #include "modbus/result.hpp"
 
 namespace mbgate::ctl {

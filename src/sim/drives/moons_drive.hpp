@@ -4,7 +4,7 @@
 // take no time; jogging lasts until it is stopped.
 #pragma once
 
-#include "drive/word_order.hpp"
+#include "drive/values.hpp"
 #include "sim/drives/maps/moons_map.hpp"
 #include "sim/drives/register_service.hpp"
 

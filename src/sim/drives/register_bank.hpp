@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "drive/word_order.hpp"
+#include "drive/values.hpp"
 #include "modbus/result.hpp"
 
 namespace mbgate::sim {

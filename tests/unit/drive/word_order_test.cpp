@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Values as the manuals print them, in both orders.
-#include "drive/word_order.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "drive/values.hpp"
 #include "manuals/vectors.hpp"
 #include "modbus/bytes.hpp"
 
