@@ -1,22 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parts of a bus. Each part owns its data, and none knows the others. The deciding classes
-// (Scheduler, readiness) only read them. Classes that act (Admission, Dispatch, Outcomes, JobEnds)
-// change them.
+// The parts of a bus. Each part owns its data, and none knows the others. What decides (Scheduler)
+// only reads them. Classes that act (Admission, Dispatch, Outcomes, JobEnds) change them.
 #pragma once
 
 #include <span>
 
 #include "bus/action_queue.hpp"
 #include "bus/bus_action.hpp"
-#include "bus/health/adapter_watch.hpp"
 #include "bus/health/device_table.hpp"
 #include "bus/health/probes.hpp"
 #include "bus/line_discipline.hpp"
 #include "bus/link_state.hpp"
-#include "bus/queue/acknowledged_stops.hpp"
 #include "bus/queue/bus_queue.hpp"
-#include "bus/queue/last_sent.hpp"
-#include "bus/queue/payback.hpp"
+#include "bus/queue/fairness.hpp"
 #include "bus/queue/stop_lane.hpp"
 #include "bus/transmission/transmission.hpp"
 

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "bus/histogram.hpp"
+#include "bus/durations.hpp"
 #include "gateway/status/status_report.hpp"
 
 namespace mbgate::app {

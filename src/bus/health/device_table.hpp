@@ -4,10 +4,9 @@
 // To change
 // - what is said of a line's quality (bad CRCs, no frames, late answers): line_quality; which
 //   frames are another client's: LineDiagnosis::note_foreign().
-// - late answers, quarantine, offline devices: hold; offline devices: device_health; what is
-//   learned of how long and how late answers are: answer_pace; where an answer begins to be owed:
-//   bus/transmission/outcomes; probes: probes; frames that answer no pending request:
-//   line_diagnosis.
+// - late answers, quarantine, what is learned of how long and how late answers are: hold; offline
+//   devices: device_health; where an answer begins to be owed: bus/transmission/outcomes; probes:
+//   probes; frames that answer no pending request: line_diagnosis.
 #pragma once
 
 #include <algorithm>
@@ -21,13 +20,13 @@
 #include <vector>
 
 #include "bus/counters.hpp"
-#include "bus/health/answer_times.hpp"
+#include "bus/durations.hpp"
 #include "bus/health/device_health.hpp"
 #include "bus/health/hold.hpp"
 #include "bus/health/silence.hpp"
 #include "bus/job.hpp"
 #include "bus/settings.hpp"
-#include "bus/sharing/read_cache.hpp"
+#include "bus/transmission/read_cache.hpp"
 
 namespace mbgate::bus {
 

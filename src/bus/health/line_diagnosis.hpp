@@ -4,17 +4,100 @@
 // that is never silent. Each finding is reported once until it is over.
 #pragma once
 
+#include <optional>
 #include <utility>
 
 #include "bus/bus_action.hpp"
-#include "bus/health/denied_echo.hpp"
-#include "bus/health/line_load.hpp"
+#include "bus/durations.hpp"
 #include "bus/health/line_quality.hpp"
-#include "bus/histogram.hpp"
+#include "bus/instant.hpp"
 #include "bus/parts.hpp"
 #include "bus/serial/serial_discipline.hpp"
 
 namespace mbgate::bus {
+
+// Whether a line has an echo though the settings say that it has none: own requests are heard.
+
+class DeniedEcho {
+ public:
+  /// The line was opened: it may be another adapter.
+  void open() {
+    is_heard_ = false;
+    in_row_ = 0;
+    reported_ = false;
+  }
+  /// What was just sent was heard. True: that proves an echo, and was not told yet.
+  bool note_heard(Instant now) {
+    if (std::exchange(is_heard_, true)) {
+      return false;
+    }
+    const bool is_soon = in_row_ > 0 && now <= last_ + kWithin;
+    last_ = now;
+    if (!is_found()) {
+      in_row_ = is_soon ? in_row_ + 1 : 1;
+    }
+    return is_found() && !std::exchange(reported_, true);
+  }
+  /// A transmission has ended. A read that was answered without its echo shows that there is none.
+  void note_ended(bool is_answered_read) {
+    if (!std::exchange(is_heard_, false) && is_answered_read) {
+      in_row_ = 0;
+    }
+  }
+  [[nodiscard]] bool is_found() const { return in_row_ == kEchoesToTell; }
+
+ private:
+  // Another client may have asked for the same a moment before, and an adapter kept that; hardly
+  // for two requests in a row, so soon after each other.
+  static constexpr unsigned kEchoesToTell = 2;
+  static constexpr Duration kWithin = std::chrono::minutes(1);
+
+  bool is_heard_ = false;  // since the last transmission ended
+  unsigned in_row_ = 0;
+  Instant last_ = Instant::min();
+  bool reported_ = false;
+};
+
+// How busy a line is: the share of time in which something was transmitted, an answer was waited
+// for, or the silence after it ran; and how many requests waited for it for long.
+
+/// A client notices it if a request waits for so long before it is sent.
+inline constexpr Duration kLongWait = std::chrono::milliseconds(500);
+
+/// Requests that were sent for the first time, and how many of them waited for kLongWait or longer.
+struct LineWaits {
+  unsigned all = 0;
+  unsigned are_long = 0;
+};
+
+class LineLoad {
+ public:
+  /// Is a transmission under way at `now`? If none is, the line can be used again at `free_at`.
+  void note(bool is_busy, Instant now, Instant free_at);
+  /// A request is sent for the first time, and has waited for the line so long.
+  void note_wait(Duration waited, Instant now);
+  [[nodiscard]] bool is_busy() const { return busy_since_.has_value(); }
+  /// How long it was busy in all.
+  [[nodiscard]] Duration total(Instant now) const;
+  /// Of the last ten seconds that are over, or of the time since the first transmission if that is
+  /// less.
+  [[nodiscard]] unsigned percent(Instant now) const;
+  /// Of the same time.
+  [[nodiscard]] LineWaits waits(Instant now) const;
+
+ private:
+  void go_on(Instant now);
+  void end_busy(Instant at);
+
+  std::optional<Instant> window_began_;  // nothing was transmitted yet
+  std::optional<Instant> busy_since_;    // or later, if the time until then counts already
+  Instant counted_until_ = Instant::min();
+  Duration total_{0};                 // without the time since busy_since_
+  Duration busy_{0};                  // in this window
+  std::optional<Duration> before_{};  // in the one before
+  LineWaits waits_;                   // the same of these
+  LineWaits waits_before_;
+};
 
 /// The request of a transmission that has ended.
 struct Asked {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/health/line_load.hpp"
-
 #include <algorithm>
+
+#include "bus/health/line_diagnosis.hpp"
 
 namespace mbgate::bus {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "base/assert.hpp"
-#include "bus/queue/readiness.hpp"
+#include "bus/queue/scheduler.hpp"
 
 namespace mbgate::bus {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "bus/counters.hpp"
 #include "bus/job.hpp"
-#include "bus/serial/verdict.hpp"
+#include "bus/serial/received_bytes.hpp"
 #include "modbus/frames.hpp"
 #include "modbus/rtu_timing.hpp"
 

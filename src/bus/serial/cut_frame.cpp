@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/serial/cut_frame.hpp"
-
 #include <algorithm>
 
+#include "bus/serial/rtu_framer.hpp"
 #include "bus/serial/rtu_shape.hpp"
 
 namespace mbgate::bus {

@@ -10,7 +10,7 @@
 // - silence, settling, turnaround: line_silence; timeouts: serial_discipline.
 // - whether a frame is the answer, a late answer, or an echo: serial_discipline_answers.
 // - whether a line has an echo, and its removal: echo; one that the settings deny:
-//   bus/health/denied_echo.
+//   bus/health/line_diagnosis.
 #pragma once
 
 #include <optional>

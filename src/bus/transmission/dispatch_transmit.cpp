@@ -1,12 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
 // A transaction goes on the wire: what must hold by then, and what is noted of it.
+#include <algorithm>
 #include <utility>
 
 #include "base/assert.hpp"
-#include "bus/sharing/shared_read.hpp"
 #include "bus/transmission/dispatch.hpp"
 
 namespace mbgate::bus {
+namespace {
+
+// On a Modbus TCP bus one device may be asked by several units. Should these be drives after all,
+// each answers for itself.
+bool is_identical(const Transaction& a, const Transaction& b) {
+  return a.address == b.address && a.unit == b.unit && a.request.pdu() == b.request.pdu();
+}
+
+bool crosses_write(const BusQueue& queue, const Job& one, const Job& other) {
+  const auto [first, last] = std::minmax(one.sequence, other.sequence);
+  return queue.write_waits_between(one.address(), first, last);
+}
+
+// Identical reads that wait at the same time are transmitted once (`coalesce`). A read is not
+// shared across a write to the device that waits between, nor ahead of earlier requests of its own
+// client. So no client gets data older than its request or its own write. The transmission, whose
+// turn it is, gets the reads that it can answer as its followers, and the queue loses them.
+void gather_followers(BusQueue& queue, Transmission& transmission) {
+  const Job& leader = *transmission.leader;
+  if (!leader.is_single_read()) {
+    return;
+  }
+  boost::container::small_vector<Job*, 8> joined;  // the queue does not change while it is visited
+  queue.visit_fronts(leader.address(), [&](Job& job) {
+    const bool joins = job.is_single_read() && !crosses_write(queue, job, leader) &&
+                       is_identical(job.transaction(), leader.transaction());
+    if (joins) {
+      joined.push_back(&job);
+    }
+    return joins;
+  });
+  for (Job* job : joined) {
+    queue.remove(*job);
+    transmission.followers.push_back(job);
+  }
+}
+
+}  // namespace
 
 void Dispatch::skip_known_settings(Transmission& transmission) const {
   Job& job = *transmission.leader;

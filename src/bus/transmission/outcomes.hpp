@@ -5,9 +5,9 @@
 //
 // To change
 // - retries, the meaning of the end of a transmission: outcomes; an adapter that hangs:
-//   bus/health/adapter_watch.
-// - reads that are sent once for several clients: bus/sharing/shared_read; which job leads when the
-//   leader leaves: transmission, job_ends; the cache: bus/sharing/read_cache.
+//   bus/link_state.
+// - reads that are sent once for several clients: dispatch_transmit; which job leads when the
+//   leader leaves: transmission, job_ends; the cache: read_cache.
 // - when a line is opened again: bus/link_state, bus/bus; requests cut off by a close: outcomes.
 #pragma once
 

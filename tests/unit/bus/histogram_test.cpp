@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/histogram.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "bus/durations.hpp"
 
 namespace mbgate::bus {
 namespace {

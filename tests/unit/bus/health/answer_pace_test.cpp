@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/health/answer_pace.hpp"
-
 #include <gtest/gtest.h>
+
+#include "bus/health/hold.hpp"
 
 namespace mbgate::bus {
 namespace {

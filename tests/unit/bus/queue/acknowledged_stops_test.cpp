@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/queue/acknowledged_stops.hpp"
-
 #include <gtest/gtest.h>
 
+#include "bus/queue/stop_lane.hpp"
 #include "support/hex.hpp"
 
 namespace mbgate::test {

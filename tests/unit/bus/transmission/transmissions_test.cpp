@@ -4,7 +4,7 @@
 
 #include <deque>
 
-#include "bus/queue/last_sent.hpp"
+#include "bus/queue/fairness.hpp"
 #include "bus/queue/stop_lane.hpp"
 #include "bus/transmission/transmission.hpp"
 #include "support/hex.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/sharing/read_cache.hpp"
+#include "bus/transmission/read_cache.hpp"
 
 #include <gtest/gtest.h>
 

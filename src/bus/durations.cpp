@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/health/answer_times.hpp"
+#include "bus/durations.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/health/answer_times.hpp"
-
 #include <gtest/gtest.h>
+
+#include "bus/durations.hpp"
 
 namespace mbgate::bus {
 namespace {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads that are answered together.
-#include "bus/sharing/shared_read.hpp"
-#include "unit/bus/sharing/sharing_rig.hpp"
+#include "unit/bus/transmission/sharing_rig.hpp"
 
 namespace mbgate::test {
 namespace {

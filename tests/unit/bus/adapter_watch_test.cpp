@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/health/adapter_watch.hpp"
-
 #include <gtest/gtest.h>
+
+#include "bus/link_state.hpp"
 
 namespace mbgate::bus {
 namespace {
