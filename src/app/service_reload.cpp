@@ -10,7 +10,7 @@
 #include "app/configuration/digest.hpp"
 #include "app/service.hpp"
 #include "app/systemd.hpp"
-#include "gateway/settings/numbering.hpp"
+#include "gateway/settings/settings_snapshot.hpp"
 #include "io/clients/resources.hpp"
 
 namespace mbgate::app {

@@ -6,7 +6,7 @@
 
 #include "base/text.hpp"
 #include "base/utf8.hpp"
-#include "gateway/settings/numbering.hpp"
+#include "gateway/settings.hpp"
 
 namespace mbgate::app {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "gateway/settings/numbering.hpp"
+#include "gateway/settings/settings_snapshot.hpp"
 
 namespace mbgate::gateway {
 

@@ -3,7 +3,7 @@
 
 #include "base/assert.hpp"
 #include "gateway/limits.hpp"
-#include "gateway/settings/numbering.hpp"
+#include "gateway/settings/settings_snapshot.hpp"
 
 namespace mbgate::gateway {
 

@@ -71,7 +71,7 @@ struct LineLooked {
 /// lines have been handed in before: no answer counts as missing that has already arrived.
 struct DeadlineReached {};
 /// New settings, consistent as in the constructor. Listeners, buses and devices are the same if
-/// their names are, and keep their numbers (settings/numbering): Gateway::settings() has them.
+/// their names are, and keep their numbers (numbered_after()): Gateway::settings() has them.
 /// Lines that did not change go on without losing a transaction. Shut is asked for lines that
 /// changed or are removed, and Open for lines that changed and new ones. Clients are closed if
 /// their listener is removed or does not allow them any more. To be handed in when poll_action()

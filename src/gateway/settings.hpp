@@ -2,14 +2,16 @@
 // All settings of the gateway. Names and meanings are those of conf/mbgate.toml.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "bus/instant.hpp"
 #include "bus/settings.hpp"
 #include "drive/device.hpp"
-#include "gateway/device_guard.hpp"
+#include "modbus/request.hpp"
 #include "routing/access_rules.hpp"
 #include "routing/client_address.hpp"
 #include "routing/route.hpp"
@@ -104,8 +106,38 @@ struct HttpSettings {
   friend bool operator==(const HttpSettings&, const HttpSettings&) = default;
 };
 
+enum class WriterRule : std::uint8_t {
+  any,
+  first,  ///< the client that wrote last owns writing for `writer_hold`
+  listed  ///< the clients in `writers` and no others
+};
+
+/// Who may write to a device, and the failsafe writes that it gets when the client that counts has
+/// gone.
+struct DeviceGuard {
+  WriterRule writer = WriterRule::any;
+  routing::ClientList writers;
+  Duration writer_hold = std::chrono::seconds(5);
+  /// Whose leaving and silence counts for the failsafe writes; empty: that of the client that wrote
+  /// to the device last.
+  routing::ClientList failsafe_clients;
+  /// Failsafe writes, with the function code that the device takes.
+  std::vector<modbus::Request> failsafe;
+  Duration quiet{0};  ///< 0: silence alone is no reason
+  /// A client that counts has gone when it has asked the device nothing for so long.
+  Duration failsafe_grace = std::chrono::seconds(1);
+  bool failsafe_on_exit = false;  ///< also when the gateway stops, if clients have written
+};
+
+/// Clients in the network get `weight` turns where others get one.
+struct ClientWeight {
+  routing::Network network;
+  unsigned weight = 1;
+  friend bool operator==(const ClientWeight&, const ClientWeight&) = default;
+};
+
 /// The number of a listener, bus or device is its index here; a reload does not change it
-/// (settings/numbering).
+/// (numbered_after() in settings/settings_snapshot).
 struct Settings {
   /// The identifier of the status unit on every listener; none turns it off.
   std::optional<std::uint8_t> status_unit = 255;
@@ -155,5 +187,11 @@ struct Settings {
     return buses[static_cast<std::size_t>(id)];
   }
 };
+
+/// How many of these listeners or buses are there: entries that a reload has emptied are none.
+[[nodiscard]] std::size_t count_there(const auto& all) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(all, [](const auto& it) { return !it.is_gone; }));
+}
 
 }  // namespace mbgate::gateway

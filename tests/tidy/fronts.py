@@ -40,7 +40,7 @@ FRONTS = {
     "gateway/recording": {"record"},
     "gateway/status": {"diagnosis", "quality_text", "status_report"},
     "gateway/trace": {"trace_book", "trace_record"},
-    "gateway/settings": {"numbering", "settings_snapshot"},
+    "gateway/settings": {"settings_snapshot"},
     "gateway/writes": {"failsafe_writes", "write_rules"},
     "io/clients": {"client_connections", "hangup_watch", "listening_socket", "resources", "tcp_server"},
     "io/lines": {"line"},

@@ -3,6 +3,7 @@
 // so a reload takes nothing away from it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <boost/container/small_vector.hpp>
 #include <limits>
@@ -13,6 +14,7 @@
 
 #include "drive/device.hpp"
 #include "gateway/client.hpp"
+#include "gateway/settings.hpp"
 #include "routing/plan.hpp"
 #include "routing/route_table.hpp"
 
@@ -105,5 +107,15 @@ class SettingsHistory {
 /// `old`.
 [[nodiscard]] bool unit_means_otherwise(ListenerId listener, std::uint8_t unit,
                                         const SettingsSnapshot& old, const SettingsSnapshot& next);
+
+// Listeners, buses and devices are numbered once, by name. A number keeps its meaning, so that
+// nothing stored under it can mean another thing after a reload.
+
+/// The settings `read`, with the numbers of those in force: the same name has the same number, what
+/// is new gets an unused one, and what was removed keeps an empty entry (`is_gone`).
+[[nodiscard]] Settings numbered_after(const Settings& in_force, Settings read);
+
+/// Does the bus keep the same line?
+[[nodiscard]] bool keeps_line(const Settings& old, const Settings& next, BusId bus);
 
 }  // namespace mbgate::gateway

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/trace/line_trace.hpp"
-
 #include <algorithm>
 #include <chrono>
 
+#include "gateway/trace/trace_book.hpp"
 #include "modbus/frames.hpp"
 #include "modbus/mbap.hpp"
 

@@ -13,7 +13,6 @@
 
 #include "drive/device.hpp"
 #include "gateway/client.hpp"
-#include "gateway/device_guard.hpp"
 #include "gateway/settings.hpp"
 #include "gateway/settings/settings_snapshot.hpp"
 #include "modbus/pdu.hpp"

@@ -8,7 +8,7 @@
 #include <fmt/core.h>
 #include <limits>
 
-#include "gateway/settings/numbering.hpp"
+#include "gateway/settings.hpp"
 
 namespace mbgate::io {
 namespace {

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "gateway/settings/numbering.hpp"
+#include "gateway/settings/settings_snapshot.hpp"
 
 namespace mbgate::app {
 namespace {

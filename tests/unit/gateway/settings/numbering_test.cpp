@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which numbers new settings give to the listeners, buses and devices of the old ones.
-#include "gateway/settings/numbering.hpp"
-
 #include <gmock/gmock.h>
 
+#include "gateway/settings/settings_snapshot.hpp"
 #include "unit/gateway/writes/stop_plant.hpp"
 
 namespace mbgate::test {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a trace says of lines on which it is not plain which bytes belong together.
-#include "gateway/trace/line_trace.hpp"
-
 #include <gmock/gmock.h>
 
+#include "gateway/trace/trace_book.hpp"
 #include "unit/gateway/trace/trace_lines.hpp"
 
 namespace mbgate::test {
