@@ -43,7 +43,7 @@ Block head_block(const StatusView& view) {
   return block;
 }
 
-// In the order of status_unit.hpp.
+// In the order of docs/status.md.
 void put_quality(Block& block, const bus::QualityVerdict& verdict) {
   block.push_back(static_cast<std::uint16_t>(verdict.quality));
   block.push_back(saturated(verdict.quality == bus::Quality::bad_crc ? verdict.percent() : 0));
