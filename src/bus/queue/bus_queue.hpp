@@ -32,14 +32,38 @@ class BusQueue {
   /// goes to every device: no job of its client address overtakes it, and it overtakes none. Ends
   /// when `visit` returns true; the queue must not be changed before.
   template <typename Visit>
-  void visit_candidates(JobClass job_class, Visit visit);
+  void visit_candidates(JobClass job_class, Visit visit) {
+    const std::size_t reads = by_deadline_.size() - writes_.size();
+    if (job_class == JobClass::write ? writes_.empty() : reads == 0) {
+      return;  // nobody needs to look at hundreds of reads to find no write
+    }
+    for (Source& source : round_) {
+      if (visit_source(source, job_class, visit)) {
+        return;
+      }
+    }
+  }
   /// For each client address calls `visit` for its waiting jobs to the device, in order, until it
   /// returns false or a broadcast comes.
   template <typename Visit>
-  void visit_fronts(std::uint8_t address, Visit visit);
+  void visit_fronts(std::uint8_t address, Visit visit) {
+    for (Source& source : round_) {
+      for (Job& job : source.waiting) {
+        if (job.is_broadcast() || (job.address() == address && !visit(job))) {
+          break;
+        }
+      }
+    }
+  }
   /// Calls `visit` for every waiting job.
   template <typename Visit>
-  void visit_all(Visit visit);
+  void visit_all(Visit visit) {
+    for (Source& source : round_) {
+      for (Job& job : source.waiting) {
+        visit(job);
+      }
+    }
+  }
   /// Does a write to the device wait that was accepted between these two?
   [[nodiscard]] bool write_waits_between(std::uint8_t address, std::uint64_t from,
                                          std::uint64_t to) const;
@@ -105,7 +129,21 @@ class BusQueue {
   Source& source_of(const Job& job);
   void link(Job& job, Source& source);
   template <typename Visit>
-  static bool visit_source(Source& source, JobClass job_class, Visit& visit);
+  static bool visit_source(Source& source, JobClass job_class, Visit& visit) {
+    std::bitset<kAddresses> seen;
+    for (Job& job : source.waiting) {
+      if (job.is_broadcast()) {
+        return seen.none() && job.job_class == job_class && visit(job);
+      }
+      if (!seen[job.address()]) {
+        seen.set(job.address());
+        if (job.job_class == job_class && visit(job)) {
+          return true;
+        }
+      }
+    }
+    return false;
+  }
 
   std::size_t limit_;
   std::vector<std::unique_ptr<Source>> sources_;  // by FairnessKey
@@ -113,55 +151,5 @@ class BusQueue {
   DeadlineSet by_deadline_;
   WriteSet writes_;
 };
-
-template <typename Visit>
-void BusQueue::visit_candidates(JobClass job_class, Visit visit) {
-  const std::size_t reads = by_deadline_.size() - writes_.size();
-  if (job_class == JobClass::write ? writes_.empty() : reads == 0) {
-    return;  // nobody needs to look at hundreds of reads to find no write
-  }
-  for (Source& source : round_) {
-    if (visit_source(source, job_class, visit)) {
-      return;
-    }
-  }
-}
-
-template <typename Visit>
-bool BusQueue::visit_source(Source& source, JobClass job_class, Visit& visit) {
-  std::bitset<kAddresses> seen;
-  for (Job& job : source.waiting) {
-    if (job.is_broadcast()) {
-      return seen.none() && job.job_class == job_class && visit(job);
-    }
-    if (!seen[job.address()]) {
-      seen.set(job.address());
-      if (job.job_class == job_class && visit(job)) {
-        return true;
-      }
-    }
-  }
-  return false;
-}
-
-template <typename Visit>
-void BusQueue::visit_fronts(std::uint8_t address, Visit visit) {
-  for (Source& source : round_) {
-    for (Job& job : source.waiting) {
-      if (job.is_broadcast() || (job.address() == address && !visit(job))) {
-        break;
-      }
-    }
-  }
-}
-
-template <typename Visit>
-void BusQueue::visit_all(Visit visit) {
-  for (Source& source : round_) {
-    for (Job& job : source.waiting) {
-      visit(job);
-    }
-  }
-}
 
 }  // namespace mbgate::bus

@@ -70,12 +70,27 @@ class Sessions {
   /// How many are open.
   [[nodiscard]] std::size_t size() const { return sessions_.size() - closed_.size(); }
   template <typename Visit>
-  void for_each(Visit visit);
+  void for_each(Visit visit) {
+    for (auto& [client, session] : sessions_) {
+      if (!session.is_closed) {
+        visit(session);
+      }
+    }
+  }
   template <typename Visit>
-  void for_each(Visit visit) const;
+  void for_each(Visit visit) const {
+    for (const auto& [client, session] : sessions_) {
+      if (!session.is_closed) {
+        visit(session);
+      }
+    }
+  }
   /// Is one that is open so?
   template <typename Predicate>
-  [[nodiscard]] bool any(Predicate predicate) const;
+  [[nodiscard]] bool any(Predicate predicate) const {
+    return std::ranges::any_of(
+        sessions_, [&](const auto& it) { return !it.second.is_closed && predicate(it.second); });
+  }
   /// The client address whose turns these are; nullptr if it has gone.
   [[nodiscard]] const routing::ClientAddress* address_of(bus::FairnessKey key) const;
 
@@ -130,29 +145,5 @@ class Sessions {
   std::map<ClientKey, Address> addresses_;
   std::vector<bus::FairnessKey> free_keys_;
 };
-
-template <typename Visit>
-void Sessions::for_each(Visit visit) {
-  for (auto& [client, session] : sessions_) {
-    if (!session.is_closed) {
-      visit(session);
-    }
-  }
-}
-
-template <typename Visit>
-void Sessions::for_each(Visit visit) const {
-  for (const auto& [client, session] : sessions_) {
-    if (!session.is_closed) {
-      visit(session);
-    }
-  }
-}
-
-template <typename Predicate>
-bool Sessions::any(Predicate predicate) const {
-  return std::ranges::any_of(
-      sessions_, [&](const auto& it) { return !it.second.is_closed && predicate(it.second); });
-}
 
 }  // namespace mbgate::gateway
