@@ -43,70 +43,52 @@ struct BusCounters {
 /// Where a counter of a bus is shown.
 struct CounterKind {
   std::uint64_t BusCounters::*member;
-  const char* name;  ///< in the status as JSON
-  unsigned place;    ///< among the counters of unit 255
-  const char* metric;
-  const char* help;              ///< of that metric
+  const char* name;              ///< in the status as JSON
+  unsigned place;                ///< among the counters of unit 255
+  const char* help;              ///< of the metric
+  const char* metric = name;     ///< mbgate_bus_NAME_total
   const char* reason = nullptr;  ///< where several counters are one metric, by reason
 };
-inline constexpr const char* kRefused = "mbgate_bus_refused_requests_total";
+inline constexpr const char* kRefused = "refused_requests";
 inline constexpr const char* kRefusedHelp =
     "Requests that were never sent, or not again, by reason.";
 /// In unit 255 no counter has place 18 any more.
 inline constexpr unsigned kCounterPlaces = 26;
-inline constexpr std::array kBusCounters = {
-    CounterKind{&BusCounters::transmissions, "transmissions", 0, "mbgate_bus_transmissions_total",
-                "Frames sent, broadcasts and repetitions included."},
-    CounterKind{&BusCounters::broadcasts, "broadcasts", 13, "mbgate_bus_broadcasts_total",
-                "Broadcasts sent."},
-    CounterKind{&BusCounters::retries, "retries", 12, "mbgate_bus_retries_total",
-                "Requests sent again."},
-    CounterKind{&BusCounters::responses, "responses", 1, "mbgate_bus_responses_total",
-                "Valid responses, exceptions included."},
-    CounterKind{&BusCounters::exceptions, "exceptions", 2, "mbgate_bus_exceptions_total",
-                "Responses that are exceptions of the device."},
-    CounterKind{&BusCounters::timeouts, "timeouts", 3, "mbgate_bus_timeouts_total",
-                "Transmissions without a valid response."},
-    CounterKind{&BusCounters::bad_crcs, "bad_crcs", 4, "mbgate_bus_crc_errors_total",
-                "Responses with a wrong CRC or LRC."},
-    CounterKind{&BusCounters::late_responses, "late_responses", 14,
-                "mbgate_bus_late_responses_total", "Responses after their timeout."},
-    CounterKind{&BusCounters::early_responses, "early_responses", 15,
-                "mbgate_bus_early_responses_total", "Responses before response_wait was over."},
-    CounterKind{&BusCounters::unsolicited_frames, "unsolicited_frames", 5,
-                "mbgate_bus_unsolicited_frames_total",
-                "Valid frames that answer no pending request."},
-    CounterKind{&BusCounters::foreign_frames, "foreign_frames", 16,
-                "mbgate_bus_foreign_frames_total",
-                "Requests of other clients on the line, and frames of devices that owed none."},
-    CounterKind{&BusCounters::stray_bytes, "stray_bytes", 6, "mbgate_bus_stray_bytes_total",
-                "Bytes that belong to no frame."},
-    CounterKind{&BusCounters::noise_bytes, "noise_bytes", 7, "mbgate_bus_noise_bytes_total",
-                "Bytes skipped before frames."},
-    CounterKind{&BusCounters::echo_mismatches, "echo_mismatches", 8,
-                "mbgate_bus_echo_mismatches_total",
-                "Transmissions that were heard differently than they were sent."},
-    CounterKind{&BusCounters::expired, "expired", 9, kRefused, kRefusedHelp, "deadline"},
-    CounterKind{&BusCounters::refused_full, "refused_full", 10, kRefused, kRefusedHelp,
-                "queue_full"},
-    CounterKind{&BusCounters::refused_offline, "refused_offline", 24, kRefused, kRefusedHelp,
-                "device_offline"},
-    CounterKind{&BusCounters::evicted, "evicted", 25, kRefused, kRefusedHelp, "evicted"},
-    CounterKind{&BusCounters::losses, "losses", 11, "mbgate_bus_losses_total",
-                "How often the line was lost."},
-    CounterKind{&BusCounters::shared_reads, "shared_reads", 17, "mbgate_bus_shared_reads_total",
-                "Reads answered by the transmission of another request."},
-    CounterKind{&BusCounters::cached_reads, "cached_reads", 19, "mbgate_bus_cached_reads_total",
-                "Reads answered from the cache."},
-    CounterKind{&BusCounters::stops, "stops", 20, "mbgate_bus_stops_total",
-                "Stops sent, repetitions included."},
-    CounterKind{&BusCounters::stops_unanswered, "stops_unanswered", 21,
-                "mbgate_bus_stops_unanswered_total", "Stops given up without being acknowledged."},
-    CounterKind{&BusCounters::overtaken_writes, "overtaken_writes", 22,
-                "mbgate_bus_overtaken_writes_total", "Waiting writes cancelled by a stop."},
-    CounterKind{&BusCounters::probes, "probes", 23, "mbgate_bus_probes_total",
-                "Requests sent to offline devices as probes."},
-};
+inline constexpr auto kBusCounters = std::to_array<CounterKind>({
+    {&BusCounters::transmissions, "transmissions", 0,
+     "Frames sent, broadcasts and repetitions included."},
+    {&BusCounters::broadcasts, "broadcasts", 13, "Broadcasts sent."},
+    {&BusCounters::retries, "retries", 12, "Requests sent again."},
+    {&BusCounters::responses, "responses", 1, "Valid responses, exceptions included."},
+    {&BusCounters::exceptions, "exceptions", 2, "Responses that are exceptions of the device."},
+    {&BusCounters::timeouts, "timeouts", 3, "Transmissions without a valid response."},
+    {&BusCounters::bad_crcs, "bad_crcs", 4, "Responses with a wrong CRC or LRC.", "crc_errors"},
+    {&BusCounters::late_responses, "late_responses", 14, "Responses after their timeout."},
+    {&BusCounters::early_responses, "early_responses", 15,
+     "Responses before response_wait was over."},
+    {&BusCounters::unsolicited_frames, "unsolicited_frames", 5,
+     "Valid frames that answer no pending request."},
+    {&BusCounters::foreign_frames, "foreign_frames", 16,
+     "Requests of other clients on the line, and frames of devices that owed none."},
+    {&BusCounters::stray_bytes, "stray_bytes", 6, "Bytes that belong to no frame."},
+    {&BusCounters::noise_bytes, "noise_bytes", 7, "Bytes skipped before frames."},
+    {&BusCounters::echo_mismatches, "echo_mismatches", 8,
+     "Transmissions that were heard differently than they were sent."},
+    {&BusCounters::expired, "expired", 9, kRefusedHelp, kRefused, "deadline"},
+    {&BusCounters::refused_full, "refused_full", 10, kRefusedHelp, kRefused, "queue_full"},
+    {&BusCounters::refused_offline, "refused_offline", 24, kRefusedHelp, kRefused,
+     "device_offline"},
+    {&BusCounters::evicted, "evicted", 25, kRefusedHelp, kRefused, "evicted"},
+    {&BusCounters::losses, "losses", 11, "How often the line was lost."},
+    {&BusCounters::shared_reads, "shared_reads", 17,
+     "Reads answered by the transmission of another request."},
+    {&BusCounters::cached_reads, "cached_reads", 19, "Reads answered from the cache."},
+    {&BusCounters::stops, "stops", 20, "Stops sent, repetitions included."},
+    {&BusCounters::stops_unanswered, "stops_unanswered", 21,
+     "Stops given up without being acknowledged."},
+    {&BusCounters::overtaken_writes, "overtaken_writes", 22, "Waiting writes cancelled by a stop."},
+    {&BusCounters::probes, "probes", 23, "Requests sent to offline devices as probes."},
+});
 
 /// Exceptions by their code.
 class ExceptionCounts {

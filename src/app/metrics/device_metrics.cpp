@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <fmt/core.h>
 #include <optional>
 #include <utility>
 
@@ -147,7 +148,8 @@ void add_bus(MetricBook& book, const gateway::BusStatus& bus) {
              of_bus, seconds_of(bus.longest_waiting));
   for (const bus::CounterKind& counter : bus::kBusCounters) {
     const bool is_one_of_several = counter.reason != nullptr;
-    book.counter({counter.metric, counter.help},
+    const std::string metric = fmt::format("mbgate_bus_{}_total", counter.metric);
+    book.counter({metric.c_str(), counter.help},
                  is_one_of_several ? with(of_bus, "reason", counter.reason) : of_bus,
                  bus.counters.*counter.member);
   }
