@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "gateway/event.hpp"
-#include "gateway/status/quality_text.hpp"
+#include "gateway/status/findings.hpp"
 
 namespace mbgate::gateway {
 namespace {

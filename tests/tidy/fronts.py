@@ -38,7 +38,7 @@ FRONTS = {
     "gateway/clients": {"clients", "sessions"},
     "gateway/exchanges": {"exchanges"},
     "gateway/recording": {"record"},
-    "gateway/status": {"diagnosis", "quality_text", "status_report"},
+    "gateway/status": {"diagnosis", "findings", "status_report"},
     "gateway/trace": {"trace_book", "trace_record"},
     "gateway/settings": {"settings_snapshot"},
     "gateway/writes": {"failsafe_writes", "write_rules"},

@@ -6,7 +6,6 @@
 
 #include "base/text.hpp"
 #include "gateway/status/findings.hpp"
-#include "gateway/status/quality_text.hpp"
 
 namespace mbgate::gateway {
 namespace {
@@ -173,7 +172,8 @@ void diagnose_device(const StatusReport& report, const DeviceStatus& device, con
                                        : of_device_nobody_asks(report, device));
     }
   } else if (is_bad(device.quality)) {
-    found.push_back(diagnosis_of_quality(subject_of(report, device), device.quality, false));
+    found.push_back(quality_finding(device.quality, false));
+    found.back().subject = subject_of(report, device);
   }
   if (device.other_order) {
     found.push_back(of_other_order(report, device));

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <fmt/format.h>
 
-#include "gateway/status/quality_text.hpp"
-
 namespace mbgate::gateway {
 namespace {
 
@@ -48,6 +46,14 @@ bool is_behind_a_server(const BusStatus& bus) {
   return !bus.is_serial && bus.framing != bus::Framing::tcp;
 }
 
+std::string milliseconds_text(bus::Duration duration) {
+  return fmt::format("{} ms", std::chrono::ceil<std::chrono::milliseconds>(duration).count());
+}
+
+bool is_bad(const bus::QualityVerdict& verdict) {
+  return verdict.quality != bus::Quality::unknown && verdict.quality != bus::Quality::good;
+}
+
 std::string subject_of(const BusStatus& bus) { return "bus " + bus.name; }
 
 std::string subject_of(const StatusReport& report, const DeviceStatus& device) {
@@ -80,13 +86,45 @@ bool do_others_answer(const StatusReport& report, const DeviceStatus& device) {
   });
 }
 
-Diagnosis diagnosis_of_quality(std::string subject, const bus::QualityVerdict& verdict,
-                               bool is_of_line) {
-  QualityFinding found = quality_finding(verdict, is_of_line);
-  const Rank rank =
-      verdict.quality == bus::Quality::no_frame ? Rank::drive_lost : Rank::bad_answers;
-  return {rank, std::move(subject), std::move(found.finding), std::move(found.evidence),
-          std::move(found.look_at)};
+Diagnosis quality_finding(const bus::QualityVerdict& verdict, bool is_of_line) {
+  switch (verdict.quality) {
+    case bus::Quality::unknown:
+    case bus::Quality::good: break;
+    case bus::Quality::bad_crc:
+      return {
+          Rank::bad_answers,
+          {},
+          fmt::format("bad CRC in {} % of its answers", verdict.percent()),
+          fmt::format("{} of {}", verdict.count, verdict.of),
+          fmt::format("termination, bias, cable{}",
+                      is_of_line
+                          ? "; several devices have it; another client that sends at the same time"
+                          : ", or two devices at one address")};
+    case bus::Quality::no_frame:
+      return {Rank::drive_lost,
+              {},
+              "something answers, but no valid frame",
+              fmt::format("bytes came after each of {} requests", verdict.of),
+              "baud rate, parity, A and B exchanged, two devices at one address?"};
+    case bus::Quality::late:
+      return {Rank::bad_answers,
+              {},
+              fmt::format("its answers come {} after its response timeout",
+                          milliseconds_text(verdict.lateness)),
+              fmt::format("after {} of its last {} requests", verdict.count, verdict.of),
+              "set response_timeout to at least " + milliseconds_text(verdict.needed)};
+  }
+  return {};
+}
+
+std::string quality_text(const bus::QualityNotice& notice) {
+  const bus::QualityVerdict& verdict = notice.verdict;
+  if (!is_bad(verdict)) {
+    return "its answers are good now";
+  }
+  const Diagnosis found = quality_finding(verdict, !notice.address);
+  return fmt::format("{} ({}){}{}", found.finding, found.evidence,
+                     verdict.quality == bus::Quality::late ? "; " : ": ", found.look_at);
 }
 
 Together together(const StatusReport& report, std::size_t bus) {

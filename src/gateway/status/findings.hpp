@@ -13,6 +13,8 @@ namespace mbgate::gateway {
 
 /// "19200 baud 8E1"
 std::string mode_text(const BusStatus& bus);
+/// "12 ms": milliseconds begun.
+std::string milliseconds_text(bus::Duration duration);
 
 /// An RTU or ASCII line behind a serial device server: what the gateway connects to is no Modbus
 /// TCP server, and has the rate and the parity.
@@ -35,9 +37,12 @@ std::string subject_of(const StatusReport& report, const DeviceStatus& device);
 /// Has another device of its bus answered since the first request that this one left unanswered?
 [[nodiscard]] bool do_others_answer(const StatusReport& report, const DeviceStatus& device);
 
-/// Of a verdict that is_bad().
-Diagnosis diagnosis_of_quality(std::string subject, const bus::QualityVerdict& verdict,
-                               bool is_of_line);
+/// Is there something to find in the quality of answers? Not if all is well, or nothing is known.
+[[nodiscard]] bool is_bad(const bus::QualityVerdict& verdict);
+/// Of a verdict that is_bad(). The caller adds the subject.
+[[nodiscard]] Diagnosis quality_finding(const bus::QualityVerdict& verdict, bool is_of_line);
+/// The same as one sentence, for the journal.
+std::string quality_text(const bus::QualityNotice& notice);
 
 /// What the devices of a bus have in common.
 struct Together {

@@ -5,7 +5,6 @@
 
 #include "base/text.hpp"
 #include "gateway/status/findings.hpp"
-#include "gateway/status/quality_text.hpp"
 
 namespace mbgate::gateway {
 namespace {
@@ -144,7 +143,8 @@ void diagnose_bus(const BusStatus& bus, const Together& all, std::vector<Diagnos
     found.push_back(of_foreign_frames(bus));
   }
   if (is_bad(bus.quality)) {
-    found.push_back(diagnosis_of_quality(subject_of(bus), bus.quality, true));
+    found.push_back(quality_finding(bus.quality, true));
+    found.back().subject = subject_of(bus);
   }
   diagnose_load(bus, all, found);
   if (bus.echo == bus::NoticedEcho::found) {
