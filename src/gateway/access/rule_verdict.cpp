@@ -146,45 +146,27 @@ bool may_connect(const Settings& settings, const ClientInfo& client) {
 }
 
 RuleVerdict verdict_on(const SettingsSnapshot& settings, const ClientInfo& client,
-                       std::uint8_t unit, const routing::Plan& plan) {
+                       std::uint8_t unit, const modbus::Pdu& request, const routing::Plan* plan) {
   if (is_denied_at_all(client)) {
     return {false};
   }
   if (settings.settings.rules.empty()) {
     return {};
   }
-  AccessQuestion question = question_of(client, unit, plan.function());
-  add_reached(settings, plan, question);
-  return verdict_on_halves(settings.settings, question, halves_of(settings, plan));
-}
-
-RuleVerdict verdict_on_unplanned(const SettingsSnapshot& settings, const ClientInfo& client,
-                                 std::uint8_t unit, const modbus::Pdu& request) {
-  if (is_denied_at_all(client)) {
-    return {false};
-  }
   AccessQuestion question = question_of(client, unit, request.function());
+  if (plan != nullptr) {
+    add_reached(settings, *plan, question);
+    return verdict_on_halves(settings.settings, question, halves_of(settings, *plan));
+  }
+  const auto parsed = modbus::Request::parse(request);
+  if (parsed && settings.settings.status_unit == unit) {
+    Halves halves;
+    add_of_device(settings, std::nullopt, *parsed, halves);
+    return verdict_on_halves(settings.settings, question, halves);
+  }
   question.is_read = modbus::is_read(request.bytes());
   const AccessDecision decision = routing::decide(settings.settings.rules, question);
   return {decision.permitted, decision.rule};
-}
-
-RuleVerdict verdict_on_own(const SettingsSnapshot& settings, const ClientInfo& client,
-                           std::uint8_t unit, const modbus::Pdu& request) {
-  if (is_denied_at_all(client)) {
-    return {false};
-  }
-  if (settings.settings.rules.empty()) {
-    return {};
-  }
-  const auto parsed = modbus::Request::parse(request);
-  if (!parsed) {
-    return verdict_on_unplanned(settings, client, unit, request);
-  }
-  Halves halves;
-  add_of_device(settings, std::nullopt, *parsed, halves);
-  return verdict_on_halves(settings.settings, question_of(client, unit, request.function()),
-                           halves);
 }
 
 std::string denied_by_text(const RuleVerdict& verdict, const ClientInfo& client) {

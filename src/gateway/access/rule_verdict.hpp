@@ -35,18 +35,11 @@ struct RuleVerdict {
 
 /// The request as it is planned, and so with the registers of the devices that it reaches: behind
 /// windows, split, in the order of words of the drive. Of a request that reads and writes (23)
-/// each half must be permitted.
+/// each half must be permitted. Without a plan it is one to the status unit, or cannot be planned:
+/// then it is denied if it would be so whatever registers it named.
 [[nodiscard]] RuleVerdict verdict_on(const SettingsSnapshot& settings, const ClientInfo& client,
-                                     std::uint8_t unit, const routing::Plan& plan);
-
-/// A request that cannot be planned: denied if it would be so whatever registers it named.
-[[nodiscard]] RuleVerdict verdict_on_unplanned(const SettingsSnapshot& settings,
-                                               const ClientInfo& client, std::uint8_t unit,
-                                               const modbus::Pdu& request);
-
-/// A request to the status unit.
-[[nodiscard]] RuleVerdict verdict_on_own(const SettingsSnapshot& settings, const ClientInfo& client,
-                                         std::uint8_t unit, const modbus::Pdu& request);
+                                     std::uint8_t unit, const modbus::Pdu& request,
+                                     const routing::Plan* plan);
 
 /// Why it is denied, for people: `rule "panel" (mbgate.toml:12)`, "no rule permits it", ...
 [[nodiscard]] std::string denied_by_text(const RuleVerdict& verdict, const ClientInfo& client);

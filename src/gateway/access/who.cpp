@@ -117,7 +117,7 @@ WhoAnswer by_writer(const SettingsSnapshot& settings, const ClientInfo& client,
 
 WhoAnswer planned(const SettingsSnapshot& settings, const ClientInfo& client, std::uint8_t unit,
                   const routing::Plan& plan) {
-  WhoAnswer answer = by_verdict(verdict_on(settings, client, unit, plan), client);
+  WhoAnswer answer = by_verdict(verdict_on(settings, client, unit, plan.asked(), &plan), client);
   const WriteRules rules(settings);
   if (!answer.permitted || plan.is_read() || rules.is_stop(plan)) {
     return answer;
@@ -132,7 +132,7 @@ WhoAnswer planned(const SettingsSnapshot& settings, const ClientInfo& client, st
 
 WhoAnswer of_own_unit(const SettingsSnapshot& settings, const ClientInfo& client, std::uint8_t unit,
                       const modbus::Pdu& request, routing::ClientRights rights) {
-  const RuleVerdict verdict = verdict_on_own(settings, client, unit, request);
+  const RuleVerdict verdict = verdict_on(settings, client, unit, request, nullptr);
   if (verdict.permitted && rights.read_only && !modbus::is_read(request.bytes())) {
     return by_read_only(settings, client);
   }
@@ -156,7 +156,7 @@ WhoAnswer who_may(const SettingsSnapshot& settings, const ClientInfo& client, st
   }
   const routing::ResolvedRoute* resolved = settings.routes.find(client.listener, unit);
   if (resolved == nullptr) {
-    const RuleVerdict verdict = verdict_on_unplanned(settings, client, unit, request);
+    const RuleVerdict verdict = verdict_on(settings, client, unit, request, nullptr);
     return verdict.permitted
                ? denied(fmt::format("the routes: unit {} has no route on this listener", unit),
                         ExceptionCode::gateway_path_unavailable)
@@ -169,7 +169,7 @@ WhoAnswer who_may(const SettingsSnapshot& settings, const ClientInfo& client, st
   if (plan) {
     return planned(settings, client, unit, *plan);
   }
-  const RuleVerdict verdict = verdict_on_unplanned(settings, client, unit, request);
+  const RuleVerdict verdict = verdict_on(settings, client, unit, request, nullptr);
   return verdict.permitted ? unplanned(settings, *resolved, plan.error(), unit, request)
                            : by_verdict(verdict, client);
 }

@@ -89,15 +89,8 @@ Request& Intake::understand(const ClientSession& session, const modbus::MbapAdu&
 
 // What is denied by a rule is not told whether it could have been done.
 void Intake::apply_rules(const ClientSession& session, Request& request) const {
-  const SettingsSnapshot& settings = settings_.in_force();
-  const std::uint8_t unit = request.adu.header.unit;
-  if (request.plan) {
-    request.verdict = verdict_on(settings, session.info(), unit, *request.plan);
-  } else if (request.for_gateway) {
-    request.verdict = verdict_on_own(settings, session.info(), unit, request.adu.pdu);
-  } else {
-    request.verdict = verdict_on_unplanned(settings, session.info(), unit, request.adu.pdu);
-  }
+  request.verdict = verdict_on(settings_.in_force(), session.info(), request.adu.header.unit,
+                               request.adu.pdu, request.plan ? &*request.plan : nullptr);
   if (!request.verdict.permitted) {
     request.for_gateway = request.is_stop = false;
     request.plan.reset();

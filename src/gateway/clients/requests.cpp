@@ -203,8 +203,9 @@ bool Requests::is_withdrawn(const ClientSession& session, const Exchange& exchan
   if (route == nullptr) {
     return false;
   }
-  const auto plan = routing::Plan::make(*route, unit, session.rights(), exchange.plan->asked());
-  if (!plan || !verdict_on(settings, session.info(), unit, *plan).permitted) {
+  const modbus::Pdu& asked = exchange.plan->asked();
+  const auto plan = routing::Plan::make(*route, unit, session.rights(), asked);
+  if (!plan || !verdict_on(settings, session.info(), unit, asked, &*plan).permitted) {
     return true;
   }
   const WriteOrigin origin{session.id(), session.info(), session.key(), now};
