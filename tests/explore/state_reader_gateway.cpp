@@ -28,9 +28,9 @@ void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
   require(!completed.poll(), "nothing is left to do");
   hash.add(requests.in_use());
   hash.add(jobs.in_use());
-  // Whatever arrives from now on is younger than all of them: stop_marks, sequence. Only without
-  // guards: writers, and all of failsafe.
-  [[maybe_unused]] auto& [in_force, stop_marks, writers, sequence] = rules;
+  // Whatever arrives from now on is younger than all stops: known, sequence. Only without guards:
+  // writers, and all of failsafe.
+  [[maybe_unused]] auto& [in_force, known, sequence] = rules;
   // For the trace: traced.
   auto& [slots, touched, traced] = buses;
   require(touched.empty(), "nothing is left to do");

@@ -125,7 +125,7 @@ WhoAnswer planned(const SettingsSnapshot& settings, const ClientInfo& client, st
   const ClientKey key = key_of(client, settings.settings.listener(client.listener));
   const WriteOrigin origin{ClientId{}, client, key, Instant{}};
   if (const auto objection = rules.objection(plan, origin, Instant{})) {
-    return by_writer(settings, client, plan, *objection);
+    return by_writer(settings, client, plan, objection->code);
   }
   return answer;
 }

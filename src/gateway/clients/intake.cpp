@@ -136,7 +136,8 @@ std::optional<ExceptionCode> Intake::objection(const ClientSession& session, con
   if (!is_running || session.is_half_closed() || is_of_before) {
     return kNotNow;
   }
-  return rules_.objection(plan, request.origin(session), now);
+  const auto found = rules_.objection(plan, request.origin(session), now);
+  return found ? std::optional(found->code) : std::nullopt;
 }
 
 // Its client meant the drive to which the unit led then. Where it leads nowhere now, that is said.
@@ -192,7 +193,8 @@ bool Intake::is_denied(const ClientSession& session, const Request& request, Ins
     return false;
   }
   if (request.plan) {
-    return !is_read && rules_.is_denied_by_writer(*request.plan, request.origin(session), now);
+    const auto objection = rules_.objection(*request.plan, request.origin(session), now);
+    return !is_read && objection && objection->by_writer;
   }
   const bool is_outside = request.refused == ExceptionCode::illegal_data_address &&
                           !request.route->route.windows.empty();

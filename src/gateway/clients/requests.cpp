@@ -209,8 +209,9 @@ bool Requests::is_withdrawn(const ClientSession& session, const Exchange& exchan
     return true;
   }
   const WriteOrigin origin{session.id(), session.info(), session.key(), now};
-  return !plan->is_read() &&
-         rules_.objection(*plan, origin, now) == modbus::ExceptionCode::illegal_function;
+  const auto objection = rules_.objection(*plan, origin, now);
+  return !plan->is_read() && objection &&
+         objection->code == modbus::ExceptionCode::illegal_function;
 }
 
 void Requests::end_withdrawn(const ClientSession& session, Instant now) {

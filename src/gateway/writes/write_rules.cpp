@@ -7,21 +7,8 @@ namespace mbgate::gateway {
 
 using modbus::ExceptionCode;
 
-namespace {
-
-// What is never allowed is said rather than what is not allowed now.
-void add(std::optional<ExceptionCode>& found, const std::optional<ExceptionCode>& denied) {
-  if (denied && found != ExceptionCode::illegal_function) {
-    found = denied;
-  }
-}
-
-}  // namespace
-
 WriteRules::WriteRules(const SettingsSnapshot& settings)
-    : settings_(&settings),
-      stop_marks_(settings.settings.devices.size()),
-      writers_(settings.settings.devices.size()) {}
+    : settings_(&settings), known_(settings.settings.devices.size()) {}
 
 bool WriteRules::is_stop(const routing::PlannedTransaction& transaction) const {
   return std::ranges::any_of(settings_->devices.addressed_by(transaction), [&](std::size_t place) {
@@ -36,41 +23,45 @@ bool WriteRules::is_stop(const routing::Plan& plan) const {
                                      : std::ranges::all_of(plan.transactions(), part_stops));
 }
 
-std::optional<ExceptionCode> WriteRules::objection(const routing::Plan& write,
-                                                   const WriteOrigin& origin, Instant now) const {
-  std::optional<ExceptionCode> found;
+std::optional<WriteRules::Objection> WriteRules::objection(const routing::Plan& write,
+                                                           const WriteOrigin& origin,
+                                                           Instant now) const {
+  std::optional<Objection> found;
   for (const routing::PlannedTransaction& transaction : write.transactions()) {
-    add(found, objection(transaction, origin, now));
-  }
-  return found;
-}
-
-std::optional<ExceptionCode> WriteRules::objection(const routing::PlannedTransaction& write,
-                                                   const WriteOrigin& origin, Instant now) const {
-  std::optional<ExceptionCode> found;
-  for (const std::size_t place : settings_->devices.reached_by(write)) {
-    const DeviceGuard* guard = settings_->guard(place);
-    auto denied = guard == nullptr
-                      ? std::nullopt
-                      : writers_.objection(place, *guard, origin.info, origin.key, now);
-    if (!denied && stop_marks_.forbids(place, origin.client, origin.arrival)) {
-      denied = ExceptionCode::server_device_busy;
+    for (const std::size_t device : settings_->devices.reached_by(transaction)) {
+      const auto denied = objection(device, origin, now);
+      if (denied &&
+          (!found || (denied->by_writer && found->code != ExceptionCode::illegal_function))) {
+        found = denied;
+      }
     }
-    add(found, denied);
   }
   return found;
 }
 
-bool WriteRules::is_denied_by_writer(const routing::Plan& write, const WriteOrigin& origin,
-                                     Instant now) const {
-  return std::ranges::any_of(write.transactions(), [&](const auto& transaction) {
-    const DevicePlaces places = settings_->devices.reached_by(transaction);
-    return std::ranges::any_of(places, [&](std::size_t place) {
-      const DeviceGuard* guard = settings_->guard(place);
-      return guard != nullptr &&
-             writers_.objection(place, *guard, origin.info, origin.key, now).has_value();
-    });
-  });
+std::optional<WriteRules::Objection> WriteRules::objection(std::size_t device,
+                                                           const WriteOrigin& origin,
+                                                           Instant now) const {
+  const Known& known = known_[device];
+  const DeviceGuard* guard = settings_->guard(device);
+  switch (guard == nullptr ? WriterRule::any : guard->writer) {
+    case WriterRule::any: break;
+    case WriterRule::first:
+      if (known.writer != origin.key && now < known.wrote_at + guard->writer_hold) {
+        return Objection{ExceptionCode::server_device_busy, true};
+      }
+      break;
+    case WriterRule::listed:
+      if (!guard->writers.contains(origin.info.address, origin.info.role)) {
+        return Objection{ExceptionCode::illegal_function, true};
+      }
+      break;
+  }
+  // What lies in a client's stream behind its own stop comes after it.
+  const bool is_own_stop = known.stopped_by == origin.client;
+  return origin.arrival < (is_own_stop ? known.others_at : known.stopped_at)
+             ? std::optional(Objection{ExceptionCode::server_device_busy, false})
+             : std::nullopt;
 }
 
 std::uint64_t WriteRules::note_accepted(const routing::Plan& request, const WriteOrigin& origin,
@@ -79,19 +70,16 @@ std::uint64_t WriteRules::note_accepted(const routing::Plan& request, const Writ
   if (request.is_read()) {
     return sequence_;
   }
-  if (is_stop(request)) {
-    for (const routing::PlannedTransaction& part : request.transactions()) {
-      for (const std::size_t place : settings_->devices.addressed_by(part)) {
-        if (settings_->settings.devices[place].is_stop(part.request)) {
-          stop_marks_.note(place, origin.client, sequence_, now);
-        }
-      }
-    }
-    return sequence_;
-  }
+  const bool stops = is_stop(request);
   for (const routing::PlannedTransaction& part : request.transactions()) {
-    for (const std::size_t place : settings_->devices.reached_by(part)) {
-      writers_.note(place, origin.key, now);
+    const DeviceIndex& devices = settings_->devices;
+    for (const std::size_t device : stops ? devices.addressed_by(part) : devices.reached_by(part)) {
+      if (!stops) {
+        known_[device].writer = origin.key;
+        known_[device].wrote_at = now;
+      } else if (settings_->settings.devices[device].is_stop(part.request)) {
+        note_stop(known_[device], origin.client, now);
+      }
     }
   }
   return sequence_;
@@ -99,40 +87,34 @@ std::uint64_t WriteRules::note_accepted(const routing::Plan& request, const Writ
 
 bool WriteRules::was_stopped(const routing::Plan& write, std::uint64_t sequence) const {
   return !write.is_read() && std::ranges::any_of(write.transactions(), [&](const auto& part) {
-    return std::ranges::any_of(settings_->devices.reached_by(part), [&](std::size_t place) {
-      return stop_marks_.came_after(place, sequence);
-    });
+    return std::ranges::any_of(settings_->devices.reached_by(part),
+                               [&](std::size_t device) { return sequence < known_[device].stop; });
   });
 }
 
 void WriteRules::note_own_stop(std::size_t device, Instant now) {
-  stop_marks_.note(device, std::nullopt, ++sequence_, now);
+  ++sequence_;
+  note_stop(known_[device], std::nullopt, now);
+}
+
+void WriteRules::note_stop(Known& known, std::optional<ClientId> client, Instant now) const {
+  if (known.stopped_by != client) {
+    known.others_at = known.stopped_at;
+    known.stopped_by = client;
+  }
+  known.stopped_at = now;
+  known.stop = sequence_;
 }
 
 void WriteRules::adopt(const SettingsSnapshot& settings) {
-  stop_marks_.adopt(settings.settings.devices);
-  writers_.adopt(settings.settings.devices);
-  settings_ = &settings;
-}
-
-std::optional<modbus::ExceptionCode> Writers::objection(std::size_t device,
-                                                        const DeviceGuard& guard,
-                                                        const ClientInfo& client,
-                                                        const ClientKey& key,
-                                                        bus::Instant now) const {
-  const auto& owner = owners_[device];
-  switch (guard.writer) {
-    case WriterRule::any: return std::nullopt;
-    case WriterRule::first:
-      return owner && owner->client != key && now < owner->wrote + guard.writer_hold
-                 ? std::optional(modbus::ExceptionCode::server_device_busy)
-                 : std::nullopt;
-    case WriterRule::listed:
-      return guard.writers.contains(client.address, client.role)
-                 ? std::nullopt
-                 : std::optional(modbus::ExceptionCode::illegal_function);
+  const std::vector<drive::Device>& devices = settings.settings.devices;
+  known_.resize(devices.size());
+  for (std::size_t device = 0; device < devices.size(); ++device) {
+    if (devices[device].is_gone()) {
+      known_[device] = {};
+    }
   }
-  return std::nullopt;
+  settings_ = &settings;
 }
 
 }  // namespace mbgate::gateway

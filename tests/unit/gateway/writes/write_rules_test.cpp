@@ -23,8 +23,10 @@ class WriteRulesAlone : public testing::Test {
     static const gateway::ClientKey kKey{kInfo.address};
     return {ClientId{client}, kInfo, kKey, arrival};
   }
-  auto objection(const gateway::WriteOrigin& origin, std::uint8_t unit = 1) {
-    return rules_.objection(plan("06 00 00 00 01", unit), origin, Instant{10s});
+  std::optional<ExceptionCode> objection(const gateway::WriteOrigin& origin,
+                                         std::uint8_t unit = 1) {
+    const auto found = rules_.objection(plan("06 00 00 00 01", unit), origin, Instant{10s});
+    return found ? std::optional(found->code) : std::nullopt;
   }
 
   gateway::SettingsSnapshot settings_{stop_plant()};
@@ -67,6 +69,27 @@ TEST_F(WriteRulesAlone, NothingIsKnownOfADeviceThatWasGone) {
   rules_.adopt(gateway::SettingsSnapshot(less));
   rules_.adopt(settings_);
   EXPECT_EQ(objection(from(2, Instant{4s})), std::nullopt);
+}
+
+TEST_F(WriteRulesAlone, NobodyOwnsADeviceThatWasGone) {
+  Settings guarded = stop_plant();
+  guarded.guards.resize(1);
+  guarded.guards[0].writer = gateway::WriterRule::first;
+  const gateway::SettingsSnapshot snapshot(guarded);
+  rules_.adopt(snapshot);
+  const gateway::ClientInfo other = info_of("192.0.2.2");
+  const gateway::ClientKey key{other.address};
+  const gateway::WriteOrigin second{ClientId{2}, other, key, Instant{10s}};
+  rules_.note_accepted(plan("06 00 00 00 01"), from(1, Instant{9s}), Instant{9s});
+  EXPECT_EQ(objection(second), ExceptionCode::server_device_busy);
+  rules_.adopt(snapshot);
+  EXPECT_EQ(objection(second), ExceptionCode::server_device_busy);
+  Settings less = guarded;
+  less.routes.clear();
+  less.devices[0].bus = drive::kNoBus;
+  rules_.adopt(gateway::SettingsSnapshot(less));
+  rules_.adopt(snapshot);
+  EXPECT_EQ(objection(second), std::nullopt);
 }
 
 }  // namespace

@@ -92,22 +92,5 @@ TEST(ListedWriters, AreTheOnlyOnesButForStops) {
   EXPECT_THAT(take_requests(rig), ElementsAre(kStop1, kWrite1));
 }
 
-TEST(WritersAlone, NobodyOwnsADeviceThatWasGone) {
-  gateway::Writers writers(1);
-  gateway::DeviceGuard guard;
-  guard.writer = gateway::WriterRule::first;
-  const gateway::ClientKey first{*routing::ClientAddress::parse("192.0.2.1")};
-  const gateway::ClientInfo other = info_of("192.0.2.2");
-  const gateway::ClientKey second{other.address};
-  writers.note(0, first, Instant{1s});
-  EXPECT_TRUE(writers.objection(0, guard, other, second, Instant{1s}));
-  std::vector<drive::Device> devices(1);
-  writers.adopt(devices);
-  EXPECT_TRUE(writers.objection(0, guard, other, second, Instant{1s}));
-  devices[0].bus = drive::kNoBus;
-  writers.adopt(devices);
-  EXPECT_FALSE(writers.objection(0, guard, other, second, Instant{1s}));
-}
-
 }  // namespace
 }  // namespace mbgate::test
