@@ -81,17 +81,13 @@ Fit fit_access(const AccessRule& rule, const AccessQuestion& question) {
 
 // The name "stops" stands for values that stop, without the parameters written behind them.
 bool names_all(const RegisterSet& registers, const TouchedRegisters& touched) {
-  return (registers.stops && touched.stop == StopIn::all) ||
-         registers.covers(touched.device, *touched.range, touched.reconfigures);
+  return (registers.stops && touched.stop == StopIn::all) || registers.covers(touched);
 }
 
-Fit fit_registers(const AccessRule& rule, const TouchedRegisters& touched, bool ranges_known) {
+Fit fit_registers(const AccessRule& rule, const TouchedRegisters& touched) {
   const RegisterSet& registers = rule.registers;
   if (registers.empty()) {
     return Fit::yes;
-  }
-  if (!ranges_known) {
-    return Fit::maybe;
   }
   if (!touched.range) {
     return Fit::no;
@@ -99,15 +95,14 @@ Fit fit_registers(const AccessRule& rule, const TouchedRegisters& touched, bool 
   if (rule.permits) {
     return fit_if(names_all(registers, touched));
   }
-  return fit_if((registers.stops && touched.stop != StopIn::none) ||
-                registers.touches(touched.device, *touched.range, touched.reconfigures));
+  return fit_if((registers.stops && touched.stop != StopIn::none) || registers.touches(touched));
 }
 
-Fit fit_touched(const AccessRule& rule, const TouchedRegisters& touched, bool ranges_known) {
+Fit fit_touched(const AccessRule& rule, const TouchedRegisters& touched) {
   const bool of_device =
       rule.devices.empty() ||
       (touched.number && std::ranges::find(rule.devices, *touched.number) != rule.devices.end());
-  return of_device ? fit_registers(rule, touched, ranges_known) : Fit::no;
+  return of_device ? fit_registers(rule, touched) : Fit::no;
 }
 
 Fit fit_target(const AccessRule& rule, const AccessQuestion& question) {
@@ -123,7 +118,7 @@ Fit fit_target(const AccessRule& rule, const AccessQuestion& question) {
   Fit all = Fit::yes;
   Fit any = Fit::no;
   for (const TouchedRegisters& touched : *question.touched) {
-    const Fit fit = fit_touched(rule, touched, question.ranges_known);
+    const Fit fit = fit_touched(rule, touched);
     all = std::min(all, fit);
     any = std::max(any, fit);
   }

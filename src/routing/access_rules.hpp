@@ -13,10 +13,60 @@
 
 #include "drive/device.hpp"
 #include "routing/client_address.hpp"
-#include "routing/register_set.hpp"
 #include "routing/route.hpp"
 
 namespace mbgate::routing {
+
+/// What of a write stops its device.
+enum class StopIn : std::uint8_t {
+  none,
+  some,  ///< something of it stops the device, or may do so
+  all,   ///< each of its registers gets a value that stops the device
+};
+
+/// What is read or written of one device by one transaction.
+struct TouchedRegisters {
+  std::optional<std::size_t> number{};        ///< of the device; none: none is configured there
+  const drive::Device* device = nullptr;      ///< the same
+  std::optional<modbus::TableRange> range{};  ///< of the device; none: its function names no table
+  StopIn stop = StopIn::none;
+  bool reconfigures = false;  ///< it is a write that the profile of the device guards
+};
+
+// Registers and coils that an access rule names: by their addresses in the device, or by what the
+// device's profile says of them.
+
+/// Both ends belong to it.
+struct RegisterSpan {
+  modbus::Table table = modbus::Table::holding_registers;
+  std::uint16_t first = 0;
+  std::uint16_t last = 0xFFFF;
+  friend bool operator==(const RegisterSpan&, const RegisterSpan&) = default;
+};
+
+struct RegisterSet {
+  std::vector<RegisterSpan> spans{};
+  /// Values whose write starts motion, opcodes with their position, and the registers of stops:
+  /// what stops a drive with one value mostly starts it with another.
+  bool motion_commands = false;
+  /// With them, if the write reconfigures its device, the registers whose values decide that.
+  bool communication_registers = false;
+  bool values = false;  ///< all values of 32 and 64 bits
+  /// No registers: writes of a stop. access_rules knows them by what they write.
+  bool stops = false;
+
+  [[nodiscard]] bool empty() const {
+    return spans.empty() && !motion_commands && !communication_registers && !values && !stops;
+  }
+  /// Are all registers of the range, which must be known, in it? Where a drive reads the same
+  /// registers with 03 and 04, both tables are one.
+  [[nodiscard]] bool covers(const TouchedRegisters& touched) const;
+  /// Is any of them in it?
+  [[nodiscard]] bool touches(const TouchedRegisters& touched) const;
+  /// Is everything of the other one in it, whatever the device?
+  [[nodiscard]] bool contains(const RegisterSet& other) const;
+  friend bool operator==(const RegisterSet&, const RegisterSet&) = default;
+};
 
 using UnitSet = std::bitset<256>;
 using FunctionSet = std::bitset<128>;
@@ -53,22 +103,6 @@ struct AccessRule {
   friend bool operator==(const AccessRule&, const AccessRule&) = default;
 };
 
-/// What of a write stops its device.
-enum class StopIn : std::uint8_t {
-  none,
-  some,  ///< something of it stops the device, or may do so
-  all,   ///< each of its registers gets a value that stops the device
-};
-
-/// What is read or written of one device by one transaction.
-struct TouchedRegisters {
-  std::optional<std::size_t> number{};        ///< of the device; none: none is configured there
-  const drive::Device* device = nullptr;      ///< the same
-  std::optional<modbus::TableRange> range{};  ///< of the device; none: its function names no table
-  StopIn stop = StopIn::none;
-  bool reconfigures = false;  ///< it is a write that the profile of the device guards
-};
-
 /// One half of a request, and who asks. What is not known yet is empty.
 struct AccessQuestion {
   const ClientAddress& address;
@@ -81,7 +115,6 @@ struct AccessQuestion {
   std::optional<std::uint8_t> function{};
   std::optional<bool> is_read{};
   std::optional<std::span<const TouchedRegisters>> touched{};
-  bool ranges_known = true;  ///< else only the devices of `touched` are
 };
 
 struct AccessDecision {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "routing/register_set.hpp"
-
 #include <algorithm>
+
+#include "routing/access_rules.hpp"
 
 namespace mbgate::routing {
 namespace {
@@ -25,17 +25,11 @@ void visit_ranges(const drive::RangeList& ranges, Visit visit) {
   }
 }
 
-// The device that is asked for, and whether its profile guards the write.
-struct Asked {
-  const Device* device;
-  bool reconfigures;
-};
-
 template <typename Visit>
-void visit_communication(const Asked& asked, Visit visit) {
-  visit_ranges(asked.device->profile.communication, visit);
-  if (asked.reconfigures) {
-    for (const drive::GuardedWrite& write : asked.device->profile.guarded) {
+void visit_communication(const TouchedRegisters& touched, Visit visit) {
+  visit_ranges(touched.device->profile.communication, visit);
+  if (touched.reconfigures) {
+    for (const drive::GuardedWrite& write : touched.device->profile.guarded) {
       visit(write.range.table, write.range.first, drive::end_of(write.range));
     }
   }
@@ -59,8 +53,8 @@ void visit_motion(const drive::Profile& profile, Visit visit) {
 
 // Every part of the set that this device has, with the address behind its end.
 template <typename Visit>
-void visit_parts(const RegisterSet& set, const Asked& asked, Visit visit) {
-  const Device* device = asked.device;
+void visit_parts(const RegisterSet& set, const TouchedRegisters& touched, Visit visit) {
+  const Device* device = touched.device;
   for (const RegisterSpan& span : set.spans) {
     visit(span.table, span.first, span.last + 1U);
   }
@@ -71,7 +65,7 @@ void visit_parts(const RegisterSet& set, const Asked& asked, Visit visit) {
     visit_motion(device->profile, visit);
   }
   if (set.communication_registers) {
-    visit_communication(asked, visit);
+    visit_communication(touched, visit);
   }
   if (set.values) {
     for (const drive::Value& value : device->profile.values.all()) {
@@ -81,11 +75,11 @@ void visit_parts(const RegisterSet& set, const Asked& asked, Visit visit) {
 }
 
 // How far the set goes on from `address`; no further than `address` if it is not in it.
-std::uint32_t reach_from(const RegisterSet& set, const Asked& asked, Table table,
+std::uint32_t reach_from(const RegisterSet& set, const TouchedRegisters& touched, Table table,
                          std::uint32_t address) {
   std::uint32_t reach = address;
-  visit_parts(set, asked, [&](Table of, std::uint32_t first, std::uint32_t end) {
-    if (table_in(asked.device, of) == table && first <= address) {
+  visit_parts(set, touched, [&](Table of, std::uint32_t first, std::uint32_t end) {
+    if (table_in(touched.device, of) == table && first <= address) {
       reach = std::max(reach, end);
     }
   });
@@ -94,11 +88,11 @@ std::uint32_t reach_from(const RegisterSet& set, const Asked& asked, Table table
 
 }  // namespace
 
-bool RegisterSet::covers(const Device* device, const TableRange& range, bool reconfigures) const {
-  const Table table = table_in(device, range.table);
-  std::uint32_t address = range.first;
-  while (address < drive::end_of(range)) {
-    const std::uint32_t reach = reach_from(*this, {device, reconfigures}, table, address);
+bool RegisterSet::covers(const TouchedRegisters& touched) const {
+  const Table table = table_in(touched.device, touched.range->table);
+  std::uint32_t address = touched.range->first;
+  while (address < drive::end_of(*touched.range)) {
+    const std::uint32_t reach = reach_from(*this, touched, table, address);
     if (reach == address) {
       return false;
     }
@@ -107,12 +101,13 @@ bool RegisterSet::covers(const Device* device, const TableRange& range, bool rec
   return true;
 }
 
-bool RegisterSet::touches(const Device* device, const TableRange& range, bool reconfigures) const {
-  const Table table = table_in(device, range.table);
+bool RegisterSet::touches(const TouchedRegisters& touched) const {
+  const TableRange& range = *touched.range;
+  const Table table = table_in(touched.device, range.table);
   bool found = false;
-  visit_parts(*this, {device, reconfigures}, [&](Table of, std::uint32_t first, std::uint32_t end) {
-    found = found ||
-            (table_in(device, of) == table && first < drive::end_of(range) && range.first < end);
+  visit_parts(*this, touched, [&](Table of, std::uint32_t first, std::uint32_t end) {
+    found = found || (table_in(touched.device, of) == table && first < drive::end_of(range) &&
+                      range.first < end);
   });
   return found;
 }

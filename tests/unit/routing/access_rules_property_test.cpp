@@ -32,7 +32,6 @@ void expect_more_with_less(const Case& asked, Dice& dice, std::uint64_t seed) {
   less.function = dice.one_in(2) ? std::nullopt : less.function;
   less.is_read = dice.one_in(2) ? std::nullopt : less.is_read;
   less.touched = dice.one_in(2) ? std::nullopt : less.touched;
-  less.ranges_known = dice.one_in(2);
   less.role = dice.one_in(2) && asked.role.kind != ClientRole::Kind::none ? nullptr : less.role;
   EXPECT_TRUE(decide(asked.rules, less).permitted) << "seed " << seed;
 }
