@@ -41,40 +41,30 @@ struct AdapterSilent {
 struct ConnectionReplaced {
   BusId bus;
 };
-struct ClientRefused {
+/// Of a client on one of the listeners.
+struct ClientEvent {
   ListenerId listener;
   routing::ClientAddress address;
+};
+struct ClientRefused : ClientEvent {
   RefusalReason reason;
 };
 /// Closed to make room for a new connection.
-struct ClientDisplaced {
-  ListenerId listener;
-  routing::ClientAddress address;
+struct ClientDisplaced : ClientEvent {
   RefusalReason limit;  ///< full or address_full
 };
 /// It sends more than max_requests_per_second: what is beyond gets 06. Reported once a minute for
 /// each client.
-struct ClientOverRate {
-  ListenerId listener;
-  routing::ClientAddress address;
-};
+struct ClientOverRate : ClientEvent {};
 /// An impossible length in an MBAP header: the framing of the stream is lost.
-struct ClientFramingLost {
-  ListenerId listener;
-  routing::ClientAddress address;
+struct ClientFramingLost : ClientEvent {
   std::uint16_t length;
   std::string_view sends{};  ///< modbus::other_protocol()
 };
 /// Bytes that look like an RTU frame came in on the TCP port.
-struct ClientSpeaksRtu {
-  ListenerId listener;
-  routing::ClientAddress address;
-};
+struct ClientSpeaksRtu : ClientEvent {};
 /// A partial ADU older than frame_timeout.
-struct ClientFrameTimedOut {
-  ListenerId listener;
-  routing::ClientAddress address;
-};
+struct ClientFrameTimedOut : ClientEvent {};
 /// A fault of the line itself was noticed.
 struct LineNews {
   BusId bus;
@@ -139,9 +129,7 @@ struct FailsafeNews {
   FailsafeOutcome outcome;
 };
 /// A client asks for a unit that has no route. Reported once for each client.
-struct UnitNotRouted {
-  ListenerId listener;
-  routing::ClientAddress address;
+struct UnitNotRouted : ClientEvent {
   std::uint8_t unit;
   std::bitset<256> routed;  ///< the units that have a route on this listener
 };

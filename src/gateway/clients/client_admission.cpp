@@ -130,14 +130,14 @@ std::optional<RefusalReason> ClientAdmission::make_room(ClientSession* displaced
     return limit;
   }
   const ClientInfo info = displaced->info();
-  actions_.push(Report{ClientDisplaced{info.listener, info.address, limit}});
+  actions_.push(Report{ClientDisplaced{{info.listener, info.address}, limit}});
   sessions_.counters(info.listener).note_displaced(limit);
   close(*displaced, now);
   return std::nullopt;
 }
 
 void ClientAdmission::refuse(const ClientInfo& info, RefusalReason reason) {
-  actions_.push(Report{ClientRefused{info.listener, info.address, reason}});
+  actions_.push(Report{ClientRefused{{info.listener, info.address}, reason}});
   sessions_.counters(info.listener).note_refused(reason);
 }
 
@@ -147,7 +147,7 @@ bool ClientAdmission::may_ask(const ClientSession& session, Instant now) {
   }
   ++sessions_.counters(session.info().listener).over_rate;
   if (limits_.may_be_reported(session, now)) {
-    actions_.push(Report{ClientOverRate{session.info().listener, session.info().address}});
+    actions_.push(Report{ClientOverRate{{session.info().listener, session.info().address}}});
   }
   return false;
 }

@@ -77,7 +77,7 @@ void Clients::handle_deadline(Instant now) {
     switch (session->overdue(now)) {
       case ClientSession::Overdue::within_request:
         actions_.push(
-            Report{ClientFrameTimedOut{session->info().listener, session->info().address}});
+            Report{ClientFrameTimedOut{{session->info().listener, session->info().address}}});
         admission_.close(*session, now);
         break;
       case ClientSession::Overdue::idle: admission_.close(*session, now); break;
@@ -160,7 +160,7 @@ void Clients::close_unwanted(const Settings& next, Instant now) {
     }
     if (!listener.is_gone && !is_of_another_kind) {
       const auto reason = allowed ? RefusalReason::no_rule : RefusalReason::not_allowed;
-      actions_.push(Report{ClientRefused{number, address, reason}});
+      actions_.push(Report{ClientRefused{{number, address}, reason}});
     }
     leave(session, now);
     admission_.close(session, now);

@@ -140,18 +140,18 @@ std::vector<Case> events_of_clients() {
   using namespace message_id;
   const auto client = address_of_client();
   return {
-      {gateway::ClientRefused{kPlant, client, Reason::not_allowed}, kClientNotAllowed},
-      {gateway::ClientRefused{kPlant, client, Reason::full}, kClientNoRoom},
-      {gateway::ClientRefused{kPlant, client, Reason::stopping}, kClientWhileStopping},
-      {gateway::ClientRefused{kPlant, client, Reason::address_full}, kClientAddressFull},
-      {gateway::ClientRefused{kPlant, client, Reason::too_often}, kClientTooOften},
-      {gateway::ClientOverRate{kPlant, client}, kClientOverRate},
-      {gateway::ClientDisplaced{kPlant, client, Reason::full}, kClientDisplaced},
-      {gateway::ClientFramingLost{kPlant, client, 0}, kClientFramingLost},
-      {gateway::ClientSpeaksRtu{kPlant, client}, kClientSpeaksRtu},
-      {gateway::ClientFrameTimedOut{kPlant, client}, kClientFrameTimedOut},
-      {gateway::UnitNotRouted{kPlant, client, 9, {}}, kUnitNotRouted},
-      {gateway::ClientRefused{kPlant, client, Reason::no_rule}, kClientNotRuled},
+      {gateway::ClientRefused{{kPlant, client}, Reason::not_allowed}, kClientNotAllowed},
+      {gateway::ClientRefused{{kPlant, client}, Reason::full}, kClientNoRoom},
+      {gateway::ClientRefused{{kPlant, client}, Reason::stopping}, kClientWhileStopping},
+      {gateway::ClientRefused{{kPlant, client}, Reason::address_full}, kClientAddressFull},
+      {gateway::ClientRefused{{kPlant, client}, Reason::too_often}, kClientTooOften},
+      {gateway::ClientOverRate{{kPlant, client}}, kClientOverRate},
+      {gateway::ClientDisplaced{{kPlant, client}, Reason::full}, kClientDisplaced},
+      {gateway::ClientFramingLost{{kPlant, client}, 0}, kClientFramingLost},
+      {gateway::ClientSpeaksRtu{{kPlant, client}}, kClientSpeaksRtu},
+      {gateway::ClientFrameTimedOut{{kPlant, client}}, kClientFrameTimedOut},
+      {gateway::UnitNotRouted{{kPlant, client}, 9, {}}, kUnitNotRouted},
+      {gateway::ClientRefused{{kPlant, client}, Reason::no_rule}, kClientNotRuled},
   };
 }
 
