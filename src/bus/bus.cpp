@@ -191,14 +191,13 @@ void Bus::give_up(Instant now) {
 
 std::optional<BusAction> Bus::poll() { return parts_.actions.poll(); }
 
-Timers Bus::timers() const {
-  Timers timers = dispatch_.timers();
-  timers.set(Timer::opening, parts_.link.next_attempt());
-  timers.set(Timer::queue_deadline, parts_.queue.first_deadline());
-  if (parts_.link.is_open()) {
-    timers.set(Timer::line, parts_.line.next_deadline());
+std::optional<Wake> Bus::next_wake() const {
+  const auto line = parts_.link.is_open() ? parts_.line.next_deadline() : std::nullopt;
+  std::optional<Wake> first = dispatch_.next_wake();
+  for (const auto& at : {parts_.link.next_attempt(), parts_.queue.first_deadline(), line}) {
+    first = earlier(first, wake_at(at));
   }
-  return timers;
+  return first && first->at < Instant::max() ? first : std::nullopt;
 }
 
 void Bus::clear_counters() {

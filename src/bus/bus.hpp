@@ -2,7 +2,7 @@
 // A bus: a scheduler over a line discipline. It takes jobs, decides which is sent next, repeats
 // reads and stops, keeps deadlines, sends nothing to devices that owe an answer or are offline,
 // shares reads, answers from the cache, and reopens a lost line. Pure: after every call the owner
-// empties poll() and asks timers().
+// empties poll() and asks next_wake().
 #pragma once
 
 #include <span>
@@ -59,8 +59,8 @@ class Bus {
   void give_up(Instant now);
 
   std::optional<BusAction> poll();
-  /// What it waits for.
-  [[nodiscard]] Timers timers() const;
+  /// The first instant that it waits for.
+  [[nodiscard]] std::optional<Wake> next_wake() const;
 
   [[nodiscard]] const LinkState& link() const { return parts_.link; }
   [[nodiscard]] const BusCounters& counters() const { return parts_.counters; }

@@ -34,6 +34,11 @@ struct Wake {
   bool ends_silence = false;
 };
 
+/// When something comes that is no silence.
+inline std::optional<Wake> wake_at(std::optional<Instant> at) {
+  return at ? std::optional(Wake{*at}) : std::nullopt;
+}
+
 /// Is the first one due before the second? Of two at the same instant the one that must not come
 /// early is.
 constexpr bool is_before(const Wake& one, const Wake& other) {

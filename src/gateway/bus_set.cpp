@@ -77,7 +77,7 @@ std::optional<Wake> BusSet::next_wake(std::optional<Instant> judgement) const {
   auto first = judgement ? std::optional(bus::Wake{*judgement}) : std::nullopt;
   BusId of{};
   for_each([&](BusId id, const bus::Bus& it) {
-    const auto wake = it.timers().first();
+    const auto wake = it.next_wake();
     of = wake && (!first || wake->at < first->at) ? id : of;
     first = bus::earlier(first, wake);
   });
@@ -89,7 +89,7 @@ std::optional<Wake> BusSet::next_wake(std::optional<Instant> judgement) const {
 
 void BusSet::handle_deadline(Instant now) {
   for_each([&](BusId id, const bus::Bus& it) {
-    const auto wake = it.timers().first();
+    const auto wake = it.next_wake();
     if (wake && wake->at <= now) {
       touch(id).handle_deadline(now);
     }

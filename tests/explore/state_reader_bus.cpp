@@ -12,7 +12,7 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   auto& [settings, devices, counters, line, queue, transmissions, stops, acknowledged, last_sent,
          payback, probes, adapter, link, stopping, is_traced, pumped_at, actions] = parts;
   // Told only: diagnosis. They know nothing of their own: ends, outcomes, scheduler.
-  const auto& [of_dispatch, its_ends, its_outcomes, its_diagnosis, scheduler, timers, looking] =
+  const auto& [of_dispatch, its_ends, its_outcomes, its_diagnosis, scheduler, next_wake, looking] =
       dispatch;
   const auto& [of_admission, ends_too, sequence] = admission;
   bool may_be_offline = false;
@@ -29,10 +29,9 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   hash.add(last_answered);
   hash.since(answered_at, settings.timing.probe_interval);
   hash.since(other_answered_at, settings.timing.probe_interval);
-  for (const bus::Wake& timer : timers.all_) {
-    // Perhaps a deadline that nothing comes near to; a longer wait can be read from its reasons.
-    hash.until(std::min(timer.at, hash.now() + std::chrono::seconds(1)));
-  }
+  // Perhaps a deadline that nothing comes near to; a longer wait can be read from its reasons.
+  hash.until(
+      std::min(next_wake ? next_wake->at : Instant::max(), hash.now() + std::chrono::seconds(1)));
   const auto& [of_settings, of_devices, next_probe, others, others_gone_at] = probes;
   hash.add(others);
   if (may_be_offline) {

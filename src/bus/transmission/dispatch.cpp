@@ -30,7 +30,7 @@ void Dispatch::pump(Instant now) {
 
 void Dispatch::decide(Instant now) {
   parts_.pumped_at = now;
-  timers_.clear();
+  next_wake_.reset();
   parts_.stops.wake(now);
   ends_.expire(now);
   ends_.end_over(now);
@@ -44,7 +44,7 @@ void Dispatch::decide(Instant now) {
   while (carry_out(next, now)) {
     next = scheduler_.next(now);
   }
-  timers_.set(Timer::transmission, next.at);
+  wait_for(next.at);
   limit_waits(now);
 }
 
@@ -141,28 +141,27 @@ void Dispatch::wait_for_line(Instant now) {
     parts_.stops.remove(*stop);
     ends_.finish(*stop, Ending::closed);
   }
-  parts_.stops.visit([&](const Transmission& stop) {
-    timers_.set(Timer::waiting_stop, stop.waits_since + deadline);
-  });
+  parts_.stops.visit(
+      [&](const Transmission& stop) { wait_for(wake_at(stop.waits_since + deadline)); });
   if (!parts_.stops.empty()) {
     parts_.link.hurry(parts_.settings, now);
   }
 }
 
 void Dispatch::watch_deadlines(Instant now) {
-  timers_.set(Timer::resting_stop, parts_.stops.next_wake());
+  wait_for(wake_at(parts_.stops.next_wake()));
   parts_.stops.visit([&](const Transmission& stop) {
     if (const Instant held = held_until(parts_, stop); held > now) {
-      timers_.set(Timer::given_up_stop, held);
+      wait_for(wake_at(held));
     }
   });
   for (const Transmission* running : parts_.transmissions.running()) {
     if (running->in_flight || running->is_stop()) {
       continue;
     }
-    timers_.set(Timer::running_deadline, running->ends_at(*running->leader));
+    wait_for(wake_at(running->ends_at(*running->leader)));
     for (const Job* follower : running->followers) {
-      timers_.set(Timer::running_deadline, running->ends_at(*follower));
+      wait_for(wake_at(running->ends_at(*follower)));
     }
   }
 }

@@ -7,7 +7,6 @@
 #include "bus/health/line_diagnosis.hpp"
 #include "bus/parts.hpp"
 #include "bus/queue/scheduler.hpp"
-#include "bus/timers.hpp"
 #include "bus/transmission/job_ends.hpp"
 #include "bus/transmission/outcomes.hpp"
 
@@ -29,12 +28,14 @@ class Dispatch {
   /// The line is lost: no handle_looked() follows.
   void forget_look() { looking_ = Looking::no; }
   /// Something may be sent now that could not at the last decision.
-  void wake_at_once() { timers_.set(Timer::transmission, parts_.pumped_at); }
-  /// What it waits for.
-  [[nodiscard]] const Timers& timers() const { return timers_; }
+  void wake_at_once() { wait_for(wake_at(parts_.pumped_at)); }
+  /// The first instant that it waits for.
+  [[nodiscard]] std::optional<Wake> next_wake() const { return next_wake_; }
 
  private:
   enum class Looking : std::uint8_t { no, asked, done };
+
+  void wait_for(std::optional<Wake> wake) { next_wake_ = earlier(next_wake_, wake); }
 
   // dispatch.cpp: what goes next
   void decide(Instant now);
@@ -61,7 +62,7 @@ class Dispatch {
   Outcomes& outcomes_;
   LineDiagnosis& diagnosis_;
   Scheduler scheduler_{parts_};
-  Timers timers_;
+  std::optional<Wake> next_wake_;
   Looking looking_ = Looking::no;
 };
 

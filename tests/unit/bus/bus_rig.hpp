@@ -106,7 +106,7 @@ class Bus : public testing::Test {
     now_ = end;
   }
   [[nodiscard]] std::optional<Instant> next_deadline() const {
-    const auto wake = bus_ ? bus_->timers().first() : std::nullopt;
+    const auto wake = bus_ ? bus_->next_wake() : std::nullopt;
     return wake ? std::optional(wake->at) : std::nullopt;
   }
   void drain() {

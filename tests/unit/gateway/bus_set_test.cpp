@@ -37,7 +37,7 @@ TEST(BusesAlone, WakeForTheirEarliestOrForTheJudgementBeforeIt) {
   buses.touch(BusId{0}).handle_opened(Instant{1s}, bus::LineKind::virtual_line);
   buses.touch(BusId{1}).handle_lost(Instant{1s});
   collect(buses);
-  const auto reopening = buses[BusId{1}].timers().first();
+  const auto reopening = buses[BusId{1}].next_wake();
   ASSERT_TRUE(reopening);
   EXPECT_EQ(buses.next_wake(std::nullopt)->at, reopening->at);
   EXPECT_EQ(buses.next_wake(Instant{1s})->at, Instant{1s});
@@ -63,7 +63,7 @@ TEST(BusesAlone, SayWhoseSilenceEndsWhenTheyWake) {
   }
   collect(buses);
   const auto wake = buses.next_wake(std::nullopt);
-  EXPECT_EQ(wake->at, buses[BusId{1}].timers().first()->at);
+  EXPECT_EQ(wake->at, buses[BusId{1}].next_wake()->at);
   EXPECT_EQ(wake->silence_of, BusId{1});
   EXPECT_EQ(buses.next_wake(Instant{20s})->silence_of, std::nullopt);
 }

@@ -154,12 +154,12 @@ TEST_F(Bus, OnlyTheEndOfASilenceMayBeWokenForEarly) {
   open(settings());
   line(kAnswer);
   submit(job(kRead));
-  EXPECT_TRUE(bus_->timers().first()->ends_silence);
+  EXPECT_TRUE(bus_->next_wake()->ends_silence);
   advance(5ms);
-  EXPECT_FALSE(bus_->timers().first()->ends_silence);  // the response timeout
+  EXPECT_FALSE(bus_->next_wake()->ends_silence);  // the response timeout
   time_out();
   submit(job_of(1, kOther));
-  EXPECT_FALSE(bus_->timers().first()->ends_silence);  // the quarantine
+  EXPECT_FALSE(bus_->next_wake()->ends_silence);  // the quarantine
 }
 
 TEST_F(Bus, BytesThatAreNoFrameAreDrainedBeforeTheNextTransmission) {
