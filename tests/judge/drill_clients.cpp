@@ -192,9 +192,11 @@ void drill_quiet(Drill& drill, bool trace) {
       longest = sent.station == at ? std::max(longest, sent.answered - sent.end) : longest;
     }
     drill.equal("times", sum_of(device.times.device.all()), std::uint64_t{2 * kPolls});
-    drill.between("p99", device.device.p99.value_or(0ms), 200us, 2 * longest + 1ms);
-    drill.expect("p50", device.device.p50 && *device.device.p50 <= *device.device.p99 &&
-                            device.wire.p50 && *device.wire.p50 > 0ms);
+    const bus::Durations& answers = device.times.device.lately();
+    const auto wire = device.times.wire.lately().percentile(50);
+    drill.between("p99", answers.percentile(99).value_or(0ms), 200us, 2 * longest + 1ms);
+    drill.expect("p50", answers.percentile(50) &&
+                            answers.percentile(50) <= answers.percentile(99) && wire > 0ms);
     drill.expect("quality", device.quality.quality == bus::Quality::good);
     drill.equal("unanswered_in_row", device.unanswered_in_row, 0U);
   }

@@ -89,10 +89,11 @@ object bus_json(const BusStatus& bus) {
   return json;
 }
 
-object percentiles_json(const gateway::Percentiles& percentiles) {
-  return {{"p50", milliseconds(percentiles.p50)},
-          {"p90", milliseconds(percentiles.p90)},
-          {"p99", milliseconds(percentiles.p99)}};
+object percentiles_json(const bus::Latency& latency) {
+  const bus::Durations& lately = latency.lately();
+  return {{"p50", milliseconds(lately.percentile(50))},
+          {"p90", milliseconds(lately.percentile(90))},
+          {"p99", milliseconds(lately.percentile(99))}};
 }
 
 object exceptions_json(const bus::ExceptionCounts& exceptions) {
@@ -123,9 +124,9 @@ object device_json(const DeviceStatus& device, const std::vector<BusStatus>& bus
           {"response_timeout_ms", milliseconds(device.response_timeout)},
           {"quality", quality_json(device.quality)},
           {"latency_ms",
-           {{"queue", percentiles_json(device.queue)},
-            {"wire", percentiles_json(device.wire)},
-            {"device", percentiles_json(device.device)}}},
+           {{"queue", percentiles_json(device.times.queue)},
+            {"wire", percentiles_json(device.times.wire)},
+            {"device", percentiles_json(device.times.device)}}},
           {"counters",
            {{"transmissions", counters.transmissions},
             {"responses", counters.responses},

@@ -63,11 +63,6 @@ BusStatus status_of(const bus::Bus& bus, const bus::BusSettings& settings, Insta
   return status;
 }
 
-Percentiles percentiles_of(const bus::Latency& latency) {
-  const bus::Durations& lately = latency.lately();
-  return {lately.percentile(50), lately.percentile(90), lately.percentile(99)};
-}
-
 // Other settings may have come since it was read.
 std::optional<OtherWordOrder> other_order(const bus::DeviceEntry& entry) {
   const drive::Device& device = *entry.device;
@@ -114,12 +109,10 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
   }
   status.counters = entry.counters;
   status.quality = bus.diagnosis().quality()[address].verdict();
-  status.queue = percentiles_of(entry.times.queue);
-  if (is_serial) {  // on a connection nobody knows
-    status.wire = percentiles_of(entry.times.wire);
-  }
-  status.device = percentiles_of(entry.times.device);
   status.times = entry.times;
+  if (!is_serial) {  // on a connection nobody knows
+    status.times.wire = {};
+  }
   return status;
 }
 

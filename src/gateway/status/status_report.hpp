@@ -28,13 +28,6 @@
 
 namespace mbgate::gateway {
 
-/// Half, nine tenths and 99 of 100 durations are not longer than these; nothing if there were none.
-struct Percentiles {
-  std::optional<Duration> p50;
-  std::optional<Duration> p90;
-  std::optional<Duration> p99;
-};
-
 /// A client address with requests that wait for a line. Those that wait for their device, because
 /// it owes an answer, boots or is offline, do not count.
 struct WaitingClient {
@@ -113,9 +106,6 @@ struct DeviceStatus {
   std::uint8_t stop_exception = 0;
   bus::DeviceCounters counters;
   bus::QualityVerdict quality;
-  Percentiles queue;
-  Percentiles wire;
-  Percentiles device;
   bus::AnswerTimes times;  ///< of wire there are none on a connection
 };
 

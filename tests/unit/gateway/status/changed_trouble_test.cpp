@@ -121,7 +121,7 @@ TEST(AnotherDevice, IsNotWhatTheOneBeforeItWas) {
   EXPECT_EQ(crane.last_request, std::nullopt);
   EXPECT_EQ(crane.last_answer, std::nullopt);
   EXPECT_EQ(crane.quality.quality, bus::Quality::unknown);
-  EXPECT_EQ(crane.device.p50, std::nullopt);
+  EXPECT_EQ(crane.times.device.lately().percentile(50), std::nullopt);
   ask_silent(trouble, 3);
   EXPECT_THAT(trouble.diagnoses(), ElementsAre(StartsWith("bus line-a: nothing answers | 3 ")));
 }

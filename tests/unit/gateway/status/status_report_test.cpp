@@ -83,12 +83,12 @@ TEST_F(StatusOfAPlant, SplitsTheTimeOfADevice) {
   }
   const auto shown = report();
   const auto& axis = shown.devices[0];
-  EXPECT_LT(*axis.queue.p50, 1ms);
-  EXPECT_GT(*axis.wire.p50, 4ms);
-  EXPECT_LT(*axis.wire.p50, 6ms);
-  EXPECT_GT(*axis.device.p50, 25ms);
-  EXPECT_LT(*axis.device.p99, 33ms);
-  EXPECT_EQ(shown.devices[1].device.p50, std::nullopt);
+  EXPECT_LT(*axis.times.queue.lately().percentile(50), 1ms);
+  EXPECT_GT(*axis.times.wire.lately().percentile(50), 4ms);
+  EXPECT_LT(*axis.times.wire.lately().percentile(50), 6ms);
+  EXPECT_GT(*axis.times.device.lately().percentile(50), 25ms);
+  EXPECT_LT(*axis.times.device.lately().percentile(99), 33ms);
+  EXPECT_EQ(shown.devices[1].times.device.lately().percentile(50), std::nullopt);
 }
 
 TEST_F(StatusOfAPlant, ShowsAnAddressWithoutADeviceOnceItWasAsked) {
