@@ -13,9 +13,8 @@
 #include <vector>
 
 #include "bus/instant.hpp"
-#include "drive/device.hpp"
+#include "drive/transaction.hpp"
 #include "modbus/frames.hpp"
-#include "modbus/request.hpp"
 
 namespace mbgate::bus {
 
@@ -24,31 +23,7 @@ namespace mbgate::bus {
 inline constexpr std::size_t kMaxFrameSize = 513;
 using FrameBytes = boost::container::static_vector<std::uint8_t, kMaxFrameSize>;
 
-/// One request to one address, and its answer.
-struct Transaction {
-  // Not an aggregate: all its room would be filled with zeros first.
-  Transaction(std::uint8_t to, const modbus::Request& asked, bool may_be_silent = false,
-              std::optional<drive::BroadcastForm> form = std::nullopt)
-      : address(to), unit(to), request(asked), silence_is_success(may_be_silent), broadcast(form) {}
-
-  std::uint8_t address;
-  std::uint8_t unit;  ///< on the wire: another one on a TCP bus whose one device has every unit
-  modbus::Request request;
-  /// 08/01 and 08/04 silence a device: a missing answer is then not a failure.
-  bool silence_is_success;
-  /// Set: a broadcast in this form, which nobody answers.
-  std::optional<drive::BroadcastForm> broadcast;
-  std::optional<modbus::Pdu> response = std::nullopt;
-  /// Set by the bus for a write that its device carries out and never answers: how long the device
-  /// does not listen afterwards.
-  std::optional<Duration> boot_time = std::nullopt;
-  /// Set for a check that the gateway adds, a read of one register: the job goes on only if the
-  /// register holds one of these values. Must outlive the job.
-  const std::vector<std::uint16_t>* must_hold = nullptr;
-
-  [[nodiscard]] bool is_broadcast() const { return broadcast.has_value(); }
-  [[nodiscard]] bool may_stay_silent() const { return silence_is_success || boot_time; }
-};
+using drive::Transaction;
 
 /// Client addresses take turns on a bus. This is the number of one client address.
 enum class FairnessKey : std::uint32_t {};
@@ -113,17 +88,6 @@ struct Job {
   [[nodiscard]] std::uint8_t address() const { return transactions.front().address; }
   [[nodiscard]] Transaction& transaction() { return transactions[current]; }
   [[nodiscard]] const Transaction& transaction() const { return transactions[current]; }
-  /// Of a job that ended as answered: the responses to the client's own transactions, in order. The
-  /// last one may be the exception that ended the job.
-  [[nodiscard]] auto responses() const {
-    boost::container::small_vector<const modbus::Pdu*, 4> all;
-    for (const Transaction& done : transactions) {
-      if (done.response && done.must_hold == nullptr) {
-        all.push_back(&*done.response);
-      }
-    }
-    return all;
-  }
 };
 
 }  // namespace mbgate::bus

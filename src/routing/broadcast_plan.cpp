@@ -95,7 +95,7 @@ bool has_registers(const Device& device, const Request& request) {
 
 // A frame, and who may carry it out.
 struct Sent {
-  BroadcastFrame frame;
+  drive::Transaction frame;
   Receivers receivers;
 };
 using AllSent = boost::container::small_vector<Sent, 2>;
@@ -114,7 +114,7 @@ const Device* first_stopped(const AllSent& sent, const Request& request,
                             std::optional<BusId> bus = std::nullopt) {
   for (const Sent& it : sent) {
     for (const Device* device : it.receivers) {
-      if ((!bus || it.frame.bus == *bus) && device->profile.broadcast.hears(it.frame.form) &&
+      if ((!bus || it.frame.bus == *bus) && device->profile.broadcast.hears(*it.frame.broadcast) &&
           device->is_stop(request)) {
         return device;
       }
@@ -141,10 +141,10 @@ bool mean_the_same(const AllSent& sent, BroadcastForm form) {
   const std::string* name = nullptr;
   for (const Sent& it : sent) {
     for (const Device* device : it.receivers) {
-      if (it.frame.form == form && name != nullptr && *name != device->profile.name) {
+      if (*it.frame.broadcast == form && name != nullptr && *name != device->profile.name) {
         return false;
       }
-      name = it.frame.form == form ? &device->profile.name : name;
+      name = *it.frame.broadcast == form ? &device->profile.name : name;
     }
   }
   return true;
@@ -160,8 +160,8 @@ std::optional<ExceptionCode> misunderstanding(const ResolvedRoute& resolved, con
       }
     }
   }
-  const bool alike =
-      std::ranges::all_of(sent, [&](const Sent& it) { return mean_the_same(sent, it.frame.form); });
+  const bool alike = std::ranges::all_of(
+      sent, [&](const Sent& it) { return mean_the_same(sent, *it.frame.broadcast); });
   return alike ? std::nullopt : std::optional(ExceptionCode::illegal_data_value);
 }
 
@@ -212,7 +212,8 @@ AllSent all_forms(const ResolvedRoute& resolved, const Request& request) {
       const bool unknown_devices = known.devices.empty() && form.is_standard();
       const bool wanted = !resolved.only_form || *resolved.only_form == form;
       if (wanted && (unknown_devices || is_meant(receivers, form))) {
-        sent.push_back({{known.bus, form, request}, std::move(receivers)});
+        sent.push_back({{form.address, request, false, form}, std::move(receivers)});
+        sent.back().frame.bus = known.bus;
       }
     }
   }
@@ -264,7 +265,8 @@ Result<BroadcastFrames, ExceptionCode> plan_broadcast(const ResolvedRoute& resol
   }
   BroadcastFrames frames;
   for (const Sent& it : sent) {
-    frames.push_back({it.frame.bus, it.frame.form, *ordered});
+    frames.push_back(it.frame);
+    frames.back().request = *ordered;
   }
   return frames;
 }
@@ -272,7 +274,7 @@ Result<BroadcastFrames, ExceptionCode> plan_broadcast(const ResolvedRoute& resol
 std::vector<const Device*> not_addressed(const ResolvedRoute& resolved, const Plan& plan,
                                          bool is_stop) {
   std::vector<const Device*> left_out;
-  const auto is_for = [&](const Device& device, const PlannedTransaction& it) {
+  const auto is_for = [&](const Device& device, const drive::Transaction& it) {
     return it.broadcast && it.bus == device.bus &&
            device.is_addressed_by(it.address, it.broadcast) &&
            (is_stop ? device.is_stop(it.request) : has_registers(device, it.request));

@@ -39,13 +39,7 @@ Result<DevicePlan, modbus::ExceptionCode> plan_for(const drive::Device& device,
 // A broadcast write, in every form that the devices on the buses use: address 0 for the standard
 // ones, and the forms that profiles state.
 
-struct BroadcastFrame {
-  BusId bus;
-  drive::BroadcastForm form;
-  modbus::Request request;
-};
-
-using BroadcastFrames = boost::container::small_vector<BroadcastFrame, 2>;
+using BroadcastFrames = boost::container::small_vector<drive::Transaction, 2>;
 
 /// Errors: 01 where a device would be reconfigured; 02 where no device takes such a broadcast; 03
 /// over a device's limit, or for a value that not all receivers have at the same place and in the

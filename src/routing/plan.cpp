@@ -10,6 +10,7 @@
 namespace mbgate::routing {
 namespace {
 
+using drive::Transaction;
 using modbus::ExceptionCode;
 using modbus::Request;
 
@@ -43,21 +44,24 @@ modbus::Pdu with_data(std::uint8_t function, modbus::Bytes data) {
   return *modbus::Pdu::from({pdu.data(), pdu.size()});
 }
 
-Data joined_registers(Responses responses) {
+// Those that have a response, without the gateway's own questions.
+using Answered = boost::container::small_vector<const Transaction*, 4>;
+
+Data joined_registers(const Answered& answered) {
   Data data;
-  for (const modbus::Pdu* response : responses) {
-    const modbus::Bytes part = response->bytes().subspan(kHeader);
-    data.insert(data.end(), part.begin(), part.end());
+  for (const Transaction* part : answered) {
+    const modbus::Bytes registers = part->response->bytes().subspan(kHeader);
+    data.insert(data.end(), registers.begin(), registers.end());
   }
   return data;
 }
 
-Data joined_bits(Responses responses, std::span<const std::uint16_t> counts) {
+Data joined_bits(const Answered& answered) {
   Data data;
   std::size_t total = 0;
-  for (std::size_t part = 0; part < responses.size(); ++part) {
-    const modbus::Bytes bytes = responses[part]->bytes().subspan(kHeader);
-    for (std::size_t bit = 0; bit < counts[part]; ++bit, ++total) {
+  for (const Transaction* part : answered) {
+    const modbus::Bytes bytes = part->response->bytes().subspan(kHeader);
+    for (std::size_t bit = 0; bit < part->request.reads()->range.count; ++bit, ++total) {
       if (total % 8 == 0) {
         data.push_back(0);
       }
@@ -129,7 +133,7 @@ std::optional<ExceptionCode> Plan::add(const ResolvedRoute& resolved, std::uint8
   }
   const std::uint8_t asked = resolved.route.address_of(unit);
   const auto error = add_requests(resolved, resolved.one_address.value_or(asked), request);
-  for (PlannedTransaction& transaction : transactions_) {
+  for (Transaction& transaction : transactions_) {
     transaction.unit = asked;
   }
   return error;
@@ -142,11 +146,11 @@ std::optional<ExceptionCode> Plan::add_broadcast(const ResolvedRoute& resolved,
     return frames.error();
   }
   reply_.form = Reply::Form::echo;
-  for (const BroadcastFrame& frame : *frames) {
+  for (const Transaction& frame : *frames) {
     if (transactions_.empty() || transactions_.back().bus != frame.bus) {
       add_questions(resolved, frame.bus, request);
     }
-    transactions_.emplace_back(frame.bus, frame.form.address, frame.request, false, frame.form);
+    transactions_.push_back(frame);
   }
   return std::nullopt;
 }
@@ -155,8 +159,9 @@ std::optional<ExceptionCode> Plan::add_broadcast(const ResolvedRoute& resolved,
 // that what the client sends next stays behind it.
 void Plan::add_question(const drive::Device& device) {
   const std::uint16_t address = device.profile.word_order_register->address;
-  PlannedTransaction question{device.bus, device.address,
-                              modbus::make_read({modbus::Table::holding_registers, address, 1})};
+  Transaction question{device.address,
+                       modbus::make_read({modbus::Table::holding_registers, address, 1})};
+  question.bus = device.bus;
   question.must_hold = device.stated_order();
   transactions_.push_back(std::move(question));
 }
@@ -180,8 +185,8 @@ std::optional<ExceptionCode> Plan::add_requests(const ResolvedRoute& resolved, s
     }
   } else {  // nothing is known of the device: the request goes as it is
     reply_.form = request.writes() && !request.reads() ? Reply::Form::echo : Reply::Form::as_it_is;
-    transactions_.emplace_back(resolved.route.buses.front(), address, request,
-                               may_be_silent(request));
+    transactions_.emplace_back(address, request, may_be_silent(request)).bus =
+        resolved.route.buses.front();
   }
   if (reply_.form == Reply::Form::as_it_is && request.function() != client_request_.function()) {
     reply_.form = data_form(request.reads()->range.table);
@@ -210,44 +215,37 @@ std::optional<ExceptionCode> Plan::add_device_requests(const ResolvedRoute& reso
     if (!any_function && !device.profile.functions.test(asked.function())) {
       return ExceptionCode::illegal_function;
     }
-    transactions_.emplace_back(resolved.route.buses.front(), address, asked, may_be_silent(asked));
+    transactions_.emplace_back(address, asked, may_be_silent(asked)).bus =
+        resolved.route.buses.front();
   }
   return std::nullopt;
 }
 
-modbus::Pdu Plan::answer(Responses responses) const {
-  boost::container::small_vector<std::uint16_t, 4> counts;
-  for (const PlannedTransaction& transaction : transactions_) {
-    if (transaction.must_hold != nullptr) {
-      continue;
+modbus::Pdu Plan::answer(std::span<const Transaction> done) const {
+  Answered answered;
+  for (const Transaction& transaction : done) {
+    if (transaction.response && transaction.must_hold == nullptr) {
+      answered.push_back(&transaction);
     }
-    const auto& reads = transaction.request.reads();
-    counts.push_back(reads ? reads->range.count : std::uint16_t{0});
   }
-  return assemble(reply_, client_request_, responses, counts);
-}
-
-modbus::Pdu assemble(const Reply& reply, const modbus::Request& request, Responses responses,
-                     std::span<const std::uint16_t> counts) {
-  const modbus::Pdu& last = *responses.back();
+  const modbus::Pdu& last = *answered.back()->response;
   if (last.is_exception()) {
-    return modbus::Pdu::exception(request.function(),
-                                  static_cast<modbus::ExceptionCode>(last.bytes()[1]));
+    return modbus::Pdu::exception(function(), static_cast<ExceptionCode>(last.bytes()[1]));
   }
-  switch (reply.form) {
+  switch (reply_.form) {
     case Reply::Form::as_it_is: return last;
-    case Reply::Form::echo: return echo_of(request, last);
+    case Reply::Form::echo: return echo_of(client_request_, last);
     case Reply::Form::registers: {
-      Data data = joined_registers(responses);
-      reply.exchange.apply({data.data(), data.size()});
+      Data data = joined_registers(answered);
+      reply_.exchange.apply({data.data(), data.size()});
       const modbus::Bytes wanted =
-          modbus::Bytes{data.data(), data.size()}.subspan(std::size_t{reply.skip} * 2);
-      return with_data(request.function(),
-                       wanted.first(std::size_t{request.reads()->range.count} * 2));
+          modbus::Bytes{data.data(), data.size()}.subspan(std::size_t{reply_.skip} * 2);
+      return with_data(function(),
+                       wanted.first(std::size_t{client_request_.reads()->range.count} * 2));
     }
     case Reply::Form::bits: {
-      const Data data = joined_bits(responses, counts);
-      return with_data(request.function(), {data.data(), data.size()});
+      const Data data = joined_bits(answered);
+      return with_data(function(), {data.data(), data.size()});
     }
   }
   return last;

@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <span>
 
+#include "drive/transaction.hpp"
 #include "drive/values.hpp"
 #include "modbus/request.hpp"
 #include "routing/route.hpp"
@@ -24,9 +25,6 @@
 namespace mbgate::routing {
 
 // How the responses of a request's transactions become the one answer of its client.
-
-/// The responses in the order of the transactions. The last one may be an exception.
-using Responses = std::span<const modbus::Pdu* const>;
 
 struct Reply {
   enum class Form : std::uint8_t {
@@ -45,33 +43,6 @@ constexpr Reply::Form data_form(modbus::Table table) {
   return modbus::holds_bits(table) ? Reply::Form::bits : Reply::Form::registers;
 }
 
-/// The answer to `request`. `counts`: how many registers or bits each transaction has read.
-modbus::Pdu assemble(const Reply& reply, const modbus::Request& request, Responses responses,
-                     std::span<const std::uint16_t> counts);
-
-struct PlannedTransaction {
-  // Not an aggregate: all its room would be filled with zeros first.
-  PlannedTransaction(BusId on, std::uint8_t to, const modbus::Request& asked,
-                     bool may_be_silent = false,
-                     std::optional<drive::BroadcastForm> form = std::nullopt)
-      : bus(on),
-        address(to),
-        unit(to),
-        request(asked),
-        silence_is_success(may_be_silent),
-        broadcast(form) {}
-
-  BusId bus;
-  std::uint8_t address;  ///< of the device
-  std::uint8_t unit;     ///< on the wire: another one if every unit is that device
-  modbus::Request request;
-  bool silence_is_success;  ///< 08/01 and 08/04
-  std::optional<drive::BroadcastForm> broadcast;
-  /// Set for a check that the gateway adds, a read of one register: what follows is sent only if
-  /// the register holds one of these values.
-  const std::vector<std::uint16_t>* must_hold = nullptr;
-};
-
 class Plan {
  public:
   /// Errors: 01 if the route, the client's rights or the drive deny it; 02 outside every window; 03
@@ -86,9 +57,9 @@ class Plan {
 
   /// In their order; those of one bus stand together.
   [[nodiscard]] const auto& transactions() const { return transactions_; }
-  /// The client's answer, made of the responses of the device: all of them, or those up to an
+  /// The client's answer, made of the responses to its transactions: all of them, or those up to an
   /// exception.
-  [[nodiscard]] modbus::Pdu answer(Responses responses) const;
+  [[nodiscard]] modbus::Pdu answer(std::span<const drive::Transaction> done) const;
   /// The client's answer if the device gives none: the normal response to its request.
   [[nodiscard]] modbus::Pdu echo() const { return modbus::echo_response(client_request_); }
   [[nodiscard]] const modbus::Pdu& asked() const { return client_request_.pdu(); }
@@ -117,7 +88,7 @@ class Plan {
 
   modbus::Request client_request_;
   Reply reply_;
-  boost::container::small_vector<PlannedTransaction, 1> transactions_;
+  boost::container::small_vector<drive::Transaction, 1> transactions_;
 };
 
 }  // namespace mbgate::routing

@@ -158,7 +158,8 @@ void StateReader::read(const bus::Job* job, gateway::Gateway& gateway, Hash& has
 }
 
 void StateReader::read(const bus::Transaction& transaction, Hash& hash) {
-  const auto& [address, unit, request, silence_is_success, broadcast, response, boot_time,
+  // There is one bus: bus.
+  const auto& [bus, address, unit, request, silence_is_success, broadcast, response, boot_time,
                must_hold] = transaction;
   require(must_hold == nullptr, "the gateway asks nothing of its own");
   hash.add(address);

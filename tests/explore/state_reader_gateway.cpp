@@ -125,7 +125,7 @@ void StateReader::read(const gateway::Exchange& exchange, gateway::Gateway& gate
 void StateReader::read(const routing::Plan& plan, Hash& hash) {
   hash.add(plan.is_read());
   hash.add(plan.function());
-  for (const routing::PlannedTransaction& transaction : plan.transactions()) {
+  for (const drive::Transaction& transaction : plan.transactions()) {
     hash.add(transaction.address);
     hash.add(transaction.unit);
     hash.add(transaction.request.pdu().bytes());

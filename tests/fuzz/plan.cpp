@@ -9,14 +9,15 @@
 #include "fuzz/plan_scene.hpp"
 #include "fuzz/responses.hpp"
 #include "modbus/response.hpp"
+#include "support/plan_answer.hpp"
 
 namespace mbgate::fuzz::plan_target {
 namespace {
 
+using drive::Transaction;
 using modbus::Request;
 using modbus::ResponseFit;
 using routing::Plan;
-using routing::PlannedTransaction;
 
 constexpr std::uint8_t kAutonicsAddress = 129;
 
@@ -46,8 +47,8 @@ void check_limits(const drive::Device& device, const Request& request) {
 void check_values(const Scene& scene, const Plan& plan) {
   const drive::Device& device = scene.device();
   const ClientView view = view_of(scene, device);
-  const PlannedTransaction* before = nullptr;
-  for (const PlannedTransaction& transaction : plan.transactions()) {
+  const Transaction* before = nullptr;
+  for (const Transaction& transaction : plan.transactions()) {
     const auto& writes = transaction.request.writes();
     for (const drive::Value& value : device.profile.values.all()) {
       if (writes && value.motion && drive::overlap(value.range(), writes->range)) {
@@ -80,18 +81,15 @@ void check_data(const Scene& scene, const Plan& plan, const Request& request) {
   PlainDevice expected(is_one_memory(scene));
   const auto answer = view.carry_out(expected, request.pdu().bytes());
   std::vector<modbus::Pdu> responses;
-  std::vector<const modbus::Pdu*> pointers;
-  for (const PlannedTransaction& transaction : plan.transactions()) {
+  for (const Transaction& transaction : plan.transactions()) {
     if (transaction.must_hold == nullptr) {
       responses.push_back(*modbus::Pdu::from(real.carry_out(transaction.request.pdu().bytes())));
     }
   }
-  for (const modbus::Pdu& response : responses) {
-    pointers.push_back(&response);
-  }
   require(real.written() == expected.written(), "every register is written once, at its place");
   require(real.cells() == expected.cells(), "what is written is what the client wants");
-  require(plan.answer(pointers) == modbus::Pdu::from(answer), "the client sees what is there");
+  require(test::answer_of(plan, responses) == modbus::Pdu::from(answer),
+          "the client sees what is there");
 }
 
 void check_answer(const Plan& plan, const Request& request, Script& script) {
@@ -109,18 +107,14 @@ void check_answer(const Plan& plan, const Request& request, Script& script) {
       return;  // no bus would take it
     }
   }
-  std::vector<const modbus::Pdu*> pointers;
-  for (const auto& answer : answers) {
-    pointers.push_back(&answer);
-  }
-  const auto fit = modbus::check_response(request, plan.answer(pointers).bytes());
+  const auto fit = modbus::check_response(request, test::answer_of(plan, answers).bytes());
   require(fit == (answers.back().is_exception() ? ResponseFit::exception : ResponseFit::normal),
           "the answer fits the client's request");
 }
 
 /// The gateway's own question goes before what depends on it.
 void check_question(const Scene& scene, const Plan& plan, std::size_t at) {
-  const PlannedTransaction& question = plan.transactions()[at];
+  const Transaction& question = plan.transactions()[at];
   require(!plan.is_read() && at + 1 < plan.transactions().size(), "a write follows a question");
   const auto asks = [&](const drive::Device& device) {
     return device.bus == question.bus && device.address == question.address &&
@@ -135,7 +129,7 @@ void check_question(const Scene& scene, const Plan& plan, std::size_t at) {
 }
 
 void check_unicast(const Scene& scene, const Plan& plan, const Request& request, Script& script) {
-  for (const PlannedTransaction& transaction : plan.transactions()) {
+  for (const Transaction& transaction : plan.transactions()) {
     require(transaction.bus == scene.resolved.route.buses.front() &&
                 transaction.address == kFirstAddress + scene.unit - kFirstUnit &&
                 transaction.broadcast == std::nullopt,
@@ -164,7 +158,7 @@ void check_hearer(const Scene& scene, const drive::Device& device, const Plan& p
   const ClientView view = view_of(scene, device);
   view.carry_out(expected, request.pdu().bytes());
   std::size_t heard = 0;
-  for (const PlannedTransaction& transaction : plan.transactions()) {
+  for (const Transaction& transaction : plan.transactions()) {
     if (transaction.bus == device.bus && transaction.must_hold == nullptr &&
         (transaction.address == kAutonicsAddress) == autonics) {
       ++heard;
@@ -180,7 +174,7 @@ void check_hearer(const Scene& scene, const drive::Device& device, const Plan& p
 }
 
 void check_broadcast(const Scene& scene, const Plan& plan, const Request& request) {
-  for (const PlannedTransaction& transaction : plan.transactions()) {
+  for (const Transaction& transaction : plan.transactions()) {
     if (transaction.must_hold == nullptr) {
       const bool autonics = transaction.broadcast == BroadcastForm{129, 0x80};
       require(transaction.broadcast != std::nullopt &&
@@ -212,7 +206,7 @@ void check_broadcast(const Scene& scene, const Plan& plan, const Request& reques
 void check_plan(const Scene& scene, const Plan& plan, const Request& request, Script& script) {
   require(!plan.transactions().empty(), "a plan does something");
   for (std::size_t at = 0; at < plan.transactions().size(); ++at) {
-    const PlannedTransaction& transaction = plan.transactions()[at];
+    const Transaction& transaction = plan.transactions()[at];
     require(Request::parse(transaction.request.pdu()).has_value(), "a transaction is well-formed");
     require(plan.is_read() <= transaction.request.is_read(), "a read writes nothing");
     if (transaction.must_hold != nullptr) {

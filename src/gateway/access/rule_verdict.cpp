@@ -77,7 +77,7 @@ void add_of_device(const SettingsSnapshot& settings, std::optional<std::size_t> 
 
 Halves halves_of(const SettingsSnapshot& settings, const routing::Plan& plan) {
   Halves halves;
-  for (const routing::PlannedTransaction& transaction : plan.transactions()) {
+  for (const drive::Transaction& transaction : plan.transactions()) {
     if (transaction.must_hold != nullptr) {
       continue;  // the gateway's own question
     }

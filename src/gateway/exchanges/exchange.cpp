@@ -11,7 +11,7 @@ void Exchange::note(const bus::Job& job, bus::Ending ending) {
     return;
   }
   switch (ending) {
-    case bus::Ending::answered: response = plan->answer(job.responses()); break;
+    case bus::Ending::answered: response = plan->answer(job.transactions); break;
     case bus::Ending::transmitted: failed = failed || plan->is_answered_with_data(); break;
     case bus::Ending::mismatched: failed = wrong_word_order = true; break;
     case bus::Ending::closed:

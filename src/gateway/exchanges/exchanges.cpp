@@ -27,14 +27,11 @@ std::uint32_t Exchanges::open(routing::Plan plan) {
 void Exchanges::start(std::uint32_t index, Turns turns, Instant now) {
   Exchange& exchange = exchanges_[index];
   exchange.is_held = false;
-  for (const routing::PlannedTransaction& planned : exchange.plan->transactions()) {
+  for (const drive::Transaction& planned : exchange.plan->transactions()) {
     if (exchange.parts.empty() || exchange.parts.back().bus != planned.bus) {
       add_job(index, planned.bus, turns, exchange.deadline);
     }
-    bus::Transaction& transaction = exchange.parts.back().job->transactions.emplace_back(
-        planned.address, planned.request, planned.silence_is_success, planned.broadcast);
-    transaction.unit = planned.unit;
-    transaction.must_hold = planned.must_hold;
+    exchange.parts.back().job->transactions.push_back(planned);
   }
   submit(index, now);
 }

@@ -166,7 +166,7 @@ std::optional<std::size_t> DeviceIndex::at(drive::BusId bus, std::uint8_t addres
   return buses_[static_cast<std::size_t>(bus)].by_address.at(address);
 }
 
-DevicePlaces DeviceIndex::reached_by(const routing::PlannedTransaction& transaction) const {
+DevicePlaces DeviceIndex::reached_by(const drive::Transaction& transaction) const {
   if (transaction.broadcast) {
     return buses_[static_cast<std::size_t>(transaction.bus)].all;
   }
@@ -174,7 +174,7 @@ DevicePlaces DeviceIndex::reached_by(const routing::PlannedTransaction& transact
   return place ? DevicePlaces{*place} : DevicePlaces{};
 }
 
-DevicePlaces DeviceIndex::addressed_by(const routing::PlannedTransaction& transaction) const {
+DevicePlaces DeviceIndex::addressed_by(const drive::Transaction& transaction) const {
   DevicePlaces places = reached_by(transaction);
   if (transaction.broadcast) {
     const auto deaf = std::ranges::remove_if(places, [&](std::size_t place) {

@@ -35,9 +35,9 @@ class DeviceIndex {
   [[nodiscard]] std::optional<std::size_t> at(drive::BusId bus, std::uint8_t address) const;
   /// Those that a transaction may change: the one at its address or, for a broadcast, which any
   /// device may obey, all of the bus.
-  [[nodiscard]] DevicePlaces reached_by(const routing::PlannedTransaction& transaction) const;
+  [[nodiscard]] DevicePlaces reached_by(const drive::Transaction& transaction) const;
   /// Those that it is meant for: of a broadcast the ones that hear its form.
-  [[nodiscard]] DevicePlaces addressed_by(const routing::PlannedTransaction& transaction) const;
+  [[nodiscard]] DevicePlaces addressed_by(const drive::Transaction& transaction) const;
 
  private:
   struct OnBus {

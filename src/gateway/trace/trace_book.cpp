@@ -42,7 +42,7 @@ void TraceBook::refused(AskedTrace asked) {
 }
 
 void TraceBook::asked(std::uint32_t exchange, AskedTrace asked, const routing::Plan& plan) {
-  for (const routing::PlannedTransaction& planned : plan.transactions()) {
+  for (const drive::Transaction& planned : plan.transactions()) {
     const WireTrace wire = blank(planned.bus, planned.address);
     const bool is_broadcast = planned.broadcast.has_value();
     const AskedTrace::Target target{wire.bus, is_broadcast ? "" : wire.device};

@@ -76,7 +76,7 @@ void FailsafeWrites::visit_reached(const routing::Plan& plan, Visit visit) {
   if (watches_.empty()) {
     return;
   }
-  for (const routing::PlannedTransaction& part : plan.transactions()) {
+  for (const drive::Transaction& part : plan.transactions()) {
     for (const std::size_t device : settings_.in_force().devices.reached_by(part)) {
       if (const auto watch = watches_.find(device); watch != watches_.end()) {
         visit(device, watch->second);

@@ -10,7 +10,7 @@ using modbus::ExceptionCode;
 WriteRules::WriteRules(const SettingsSnapshot& settings)
     : settings_(&settings), known_(settings.settings.devices.size()) {}
 
-bool WriteRules::is_stop(const routing::PlannedTransaction& transaction) const {
+bool WriteRules::is_stop(const drive::Transaction& transaction) const {
   return std::ranges::any_of(settings_->devices.addressed_by(transaction), [&](std::size_t place) {
     return settings_->settings.devices[place].is_stop(transaction.request);
   });
@@ -27,7 +27,7 @@ std::optional<WriteRules::Objection> WriteRules::objection(const routing::Plan& 
                                                            const WriteOrigin& origin,
                                                            Instant now) const {
   std::optional<Objection> found;
-  for (const routing::PlannedTransaction& transaction : write.transactions()) {
+  for (const drive::Transaction& transaction : write.transactions()) {
     for (const std::size_t device : settings_->devices.reached_by(transaction)) {
       const auto denied = objection(device, origin, now);
       if (denied &&
@@ -71,7 +71,7 @@ std::uint64_t WriteRules::note_accepted(const routing::Plan& request, const Writ
     return sequence_;
   }
   const bool stops = is_stop(request);
-  for (const routing::PlannedTransaction& part : request.transactions()) {
+  for (const drive::Transaction& part : request.transactions()) {
     const DeviceIndex& devices = settings_->devices;
     for (const std::size_t device : stops ? devices.addressed_by(part) : devices.reached_by(part)) {
       if (!stops) {

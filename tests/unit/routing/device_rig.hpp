@@ -9,6 +9,7 @@
 
 #include "routing/plan.hpp"
 #include "support/hex.hpp"
+#include "support/plan_answer.hpp"
 
 namespace mbgate::test {
 
@@ -62,16 +63,11 @@ struct Planned {
   }
   [[nodiscard]] std::string answer(const std::vector<std::string>& responses) const {
     std::vector<modbus::Pdu> pdus;
-    std::vector<const modbus::Pdu*> pointers;
     pdus.reserve(responses.size());
-    pointers.reserve(responses.size());
     for (const auto& response : responses) {
       pdus.push_back(pdu(response));
     }
-    for (const auto& response : pdus) {
-      pointers.push_back(&response);
-    }
-    return hex(plan->answer(pointers).bytes());
+    return hex(answer_of(*plan, pdus).bytes());
   }
 
   Result<routing::Plan, modbus::ExceptionCode> plan;

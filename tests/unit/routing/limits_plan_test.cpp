@@ -104,9 +104,7 @@ TEST(LimitsPlan, AnswersThroughAWindowToAnotherTableWithTheClientsFunction) {
                             {Table::coils, 0, 16, Table::discrete_inputs, 32}};
   const auto answer_to = [&](std::string_view request, std::string_view response) {
     const auto plan = routing::Plan::make(resolved, 1, {}, pdu(request));
-    const modbus::Pdu from_device = pdu(response);
-    const modbus::Pdu* const responses[] = {&from_device};
-    return hex(plan->answer(responses).bytes());
+    return hex(answer_of(*plan, std::array{pdu(response)}).bytes());
   };
   EXPECT_EQ(answer_to("03 0000 0002", "04 04 0001 0002"), "03 04 00 01 00 02");
   EXPECT_EQ(answer_to("01 0000 000A", "02 02 CD 01"), "01 02 CD 01");

@@ -9,6 +9,7 @@
 #include "routing/route.hpp"
 #include "routing/route_table.hpp"
 #include "support/hex.hpp"
+#include "support/plan_answer.hpp"
 
 namespace mbgate::test {
 namespace {
@@ -39,9 +40,7 @@ std::string on_the_bus(const Route& route, std::string_view request) {
 }
 
 std::string answer(const routing::Plan& plan, std::string_view response) {
-  const modbus::Pdu device = pdu(response);
-  const std::array responses{&device};
-  return hex(plan.answer(responses).bytes());
+  return hex(answer_of(plan, std::array{pdu(response)}).bytes());
 }
 
 TEST(Plan, MovesTheAddressesOfEveryFunctionThatHasOne) {

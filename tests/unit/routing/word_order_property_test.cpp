@@ -193,12 +193,8 @@ TEST(WordOrderProperty, WhatAClientWritesItReadsBackAndTheDriveHoldsInItsOwnOrde
       for (const auto& transaction : planned.plan->transactions()) {
         responses.push_back(drive.carry_out(transaction.request));
       }
-      std::vector<const modbus::Pdu*> pointers;
-      for (const auto& response : responses) {
-        pointers.push_back(&response);
-      }
       expect_in(seen, *request);
-      check_answer(*request, planned.plan->answer(pointers), seen);
+      check_answer(*request, answer_of(*planned.plan, responses), seen);
       ASSERT_EQ(drive.seen_in(order), seen);
       ++carried_out;
     }
