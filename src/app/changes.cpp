@@ -2,6 +2,7 @@
 #include "app/changes.hpp"
 
 #include <algorithm>
+#include <concepts>
 #include <fmt/core.h>
 #include <iterator>
 #include <optional>
@@ -9,6 +10,7 @@
 #include <type_traits>
 
 #include "config/keys/keys.hpp"
+#include "config/toml/match_entry.hpp"
 
 namespace mbgate::app {
 namespace {
@@ -19,6 +21,25 @@ using drive::Device;
 using gateway::DeviceGuard;
 using gateway::ListenerSettings;
 using gateway::Settings;
+
+// What is short enough to be told: numbers, names and words, as they stand in the file.
+std::string text_of(bool value) { return value ? "true" : "false"; }
+std::string text_of(std::integral auto value) { return std::to_string(value); }
+std::string text_of(const std::string& value) { return fmt::format("\"{}\"", value); }
+std::string text_of(bus::Framing framing) {
+  return text_of(std::string(config::word_for(config::kFramings, framing)));
+}
+std::string text_of(modbus::Parity parity) {
+  return text_of(std::string(config::word_for(config::kParities, parity)));
+}
+std::string text_of(drive::WordOrder order) {
+  return text_of(std::string(config::order_word(order)));
+}
+std::string text_of(const bus::Endpoint& end) { return fmt::format("{}:{}", end.host, end.port); }
+template <typename Value>
+auto text_of(const std::optional<Value>& value) -> decltype(text_of(*value)) {
+  return value ? text_of(*value) : "-";
+}
 
 /// The keys of one section that differ.
 class Differences {
@@ -35,10 +56,15 @@ class Differences {
       }
     }
   }
-  /// A key whose values are too long to be told.
+  /// Values that are too long are not told.
   template <typename Value>
   void compare(const char* key, const Value& old, const Value& next) {
-    if (!(old == next)) {
+    if (old == next) {
+      return;
+    }
+    if constexpr (requires { text_of(old); }) {
+      add(fmt::format("{} {} -> {}", key, text_of(old), text_of(next)));
+    } else {
       add(key);
     }
   }
@@ -48,6 +74,10 @@ class Differences {
   void add(const std::string& difference) { text_ += (text_.empty() ? "" : ", ") + difference; }
   std::string text_;
 };
+
+std::optional<std::string> name_of(const Settings& settings, std::optional<gateway::BusId> bus) {
+  return bus ? std::optional(settings.bus(*bus).name) : std::nullopt;
+}
 
 std::optional<gateway::TlsSettings> tls_of(const Settings& settings,
                                            const ListenerSettings& listener) {
@@ -67,7 +97,7 @@ std::string differences(const Settings& old, const Settings& next, std::size_t n
   found.compare("keep", a.keep, b.keep);
   found.compare("identity", a.counts_certificates, b.counts_certificates);
   found.compare("tls", tls_of(old, a), tls_of(next, b));
-  found.compare("bus", a.bus, b.bus);
+  found.compare("bus", name_of(old, a.bus), name_of(next, b.bus));
   found.compare("broadcast_reply", a.broadcast_reply, b.broadcast_reply);
   found.compare("broadcast_mixed", a.broadcast_mixed, b.broadcast_mixed);
   return found.text();
@@ -131,7 +161,7 @@ std::string differences(const Settings& old, const Settings& next, std::size_t n
   const DeviceGuard guarded = guard_of(old, number);
   const DeviceGuard guards = guard_of(next, number);
   Differences found;
-  found.compare("bus", a.bus, b.bus);
+  found.compare("bus", old.bus(a.bus).name, next.bus(b.bus).name);
   found.compare("address", a.address, b.address);
   found.compare("profile or values of its own", a.profile, b.profile);
   found.compare("word_order", a.word_order, b.word_order);

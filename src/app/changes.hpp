@@ -11,7 +11,7 @@ namespace mbgate::app {
 
 /// The differences between two settings with the same numbering
 /// (gateway/settings/settings_snapshot), one line for each listener, bus, device and route: "bus
-/// line-a: baud 19200 -> 115200, parity". Empty if they are the same.
+/// line-a: baud 19200 -> 115200". Empty if they are the same.
 std::vector<std::string> changes_between(const gateway::Settings& old,
                                          const gateway::Settings& next);
 

@@ -2,6 +2,7 @@
 #include "io/lines/line.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "io/lines/serial_line.hpp"
@@ -30,6 +31,17 @@ Line& LineSet::with_settings(drive::BusId bus, const bus::LineSettings& settings
   }
   entry.settings = settings;
   return *entry.line;
+}
+
+LineSet::~LineSet() {
+  // What must be done before the process ends, such as dropping output, comes first in a close.
+  constexpr std::chrono::milliseconds kLongest{150};
+  for (const Entry& entry : lines_) {
+    if (entry.line != nullptr) {
+      entry.line->close();
+    }
+  }
+  context_.closing->wait_for_all(kLongest);
 }
 
 void LineSet::read_now() {

@@ -126,6 +126,10 @@ template <class Read, class Available, class HandOver>
 class LineSet {
  public:
   explicit LineSet(LineContext context) : context_(std::move(context)) {}
+  LineSet(const LineSet&) = delete;
+  LineSet& operator=(const LineSet&) = delete;
+  /// Closes all lines at once: some drivers sleep for a quarter of a second in each close().
+  ~LineSet();
 
   /// The line of the bus, which must have been opened before.
   Line& operator[](drive::BusId bus) { return *lines_[static_cast<std::size_t>(bus)].line; }

@@ -75,6 +75,13 @@ class ClosingPorts {
     });
     closing_[port_end(device)] = closed;
   }
+  /// Waits until all are given back, at most for so long.
+  void wait_for_all(std::chrono::milliseconds limit) const {
+    const auto until = std::chrono::steady_clock::now() + limit;
+    for (const auto& [port, closed] : closing_) {
+      closed.wait_until(until);
+    }
+  }
   /// Nothing to wait for: not valid.
   [[nodiscard]] std::shared_future<void> of(const std::string& device) const {
     const auto port = closing_.find(port_end(device));

@@ -57,8 +57,31 @@ TEST(Changes, AreToldWithTheValuesOfPlainKeys) {
   EXPECT_THAT(changes(plant(), next),
               ElementsAre("gateway: wake_early \"100us\" -> \"0s\"",
                           "listener plant: keepalive_idle \"30s\" -> \"1m\"",
-                          "bus line-a: baud 19200 -> 115200, frame_gap - -> \"3ms\", parity",
-                          "device axis-x: word_order, cache \"0s\" -> \"50ms\""));
+                          "bus line-a: baud 19200 -> 115200, frame_gap - -> \"3ms\", "
+                          "parity \"even\" -> \"none\"",
+                          "device axis-x: word_order - -> \"little\", cache \"0s\" -> \"50ms\""));
+}
+
+// Which drive an address meant before must be found afterwards.
+TEST(Changes, AreToldWithNamesAndNumbers) {
+  auto next = plant();
+  next.status_unit = 200;
+  next.listeners[0].port = 1503;
+  next.listeners[0].bus = gateway::BusId{1};
+  next.buses.emplace_back().name = "line-b";
+  next.buses[0].line.framing = bus::Framing::ascii;
+  next.buses[0].line.remote = bus::Endpoint{"far", 4001};
+  next.buses[0].line.echo = true;
+  next.devices[0].bus = gateway::BusId{1};
+  next.devices[0].timing = next.buses[1].timing;
+  next.devices[0].address = 6;
+  EXPECT_THAT(changes(plant(), next),
+              ElementsAre(testing::StartsWith("gateway: unit "),
+                          "listener plant: port 502 -> 1503, bus - -> \"line-b\"",
+                          "bus line-a: mode \"rtu\" -> \"ascii\", host or port - -> far:4001, "
+                          "echo - -> true",
+                          "bus line-b added",
+                          "device axis-x: bus \"line-a\" -> \"line-b\", address 1 -> 6"));
 }
 
 TEST(Changes, OfHttpAreTold) {
