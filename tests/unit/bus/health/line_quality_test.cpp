@@ -140,13 +140,13 @@ TEST_F(LineQuality, AnswersThatAreLateAgainAndAgainSayWhichTimeoutWouldDo) {
   for (int at = 0; at < 4; ++at) {
     EXPECT_EQ(verdict().quality, Quality::unknown);
     quality_[1].note_silent();
-    quality_[1].note_late(100ms + at * 1ms, 300ms);
+    quality_[1].note_late(100ms + at * 5ms, 300ms);
   }
   EXPECT_EQ(verdict().quality, Quality::late);
   EXPECT_EQ(verdict().count, 4U);
   EXPECT_EQ(verdict().of, 4U);
-  EXPECT_EQ(verdict().lateness, 103ms);
-  EXPECT_EQ(verdict().needed, 430ms);
+  EXPECT_EQ(verdict().lateness, 115ms);
+  EXPECT_EQ(verdict().needed, 450ms);  // a quarter of 115 ms more, in steps of 10 ms
   answers(1, 16, 0);
   EXPECT_EQ(verdict().quality, Quality::good);
 }

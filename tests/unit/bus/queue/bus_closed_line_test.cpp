@@ -85,6 +85,16 @@ TEST_F(BusClosedLine, AStopEndsIfNobodyKnowsWhetherThatFailsInTime) {
   EXPECT_THAT(endings_, ElementsAre(Ending::closed));
 }
 
+TEST_F(BusClosedLine, IsNotOpenedAgainWhileTheGatewayStops) {
+  open(settings(), {axis(settings())});
+  lose();
+  bus_->stop(now_);
+  drain();
+  opens_ = 0;
+  advance(10s);
+  EXPECT_EQ(opens_, 0U);
+}
+
 TEST_F(BusClosedLine, AStopWaitsNoLongerForALineThatRested) {
   open(remote(), {axis(remote())});
   submit(job(kRead));

@@ -44,6 +44,17 @@ TEST(StatusUnit, CountsInTwoRegisters) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 07 FF 04 04 00 01 00 01"));
 }
 
+TEST(StatusUnit, CountsWhatIsNoModbusTcp) {
+  MachineRig rig;
+  rig.connect(1);
+  rig.connect(2, "192.0.2.2");
+  rig.receive(2, "0001 0007 0002 01 03");  // another protocol
+  rig.receive(2, "0002 0007 0002 01 03");
+  rig.receive(2, "0003 0000 FFFF 01 03");
+  rig.receive(1, "0002 0000 0006 FF 04 0008 0004");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 0B FF 04 08 00 00 00 02 00 00 00 01"));
+}
+
 TEST(StatusUnit, ShowsTheHealthOfBusesAndDevices) {
   Settings settings = one_bus();
   settings.devices = {{"axis", BusId{0}, 1, settings.buses[0].timing}};
@@ -65,6 +76,8 @@ TEST(StatusUnit, ShowsTheHealthOfBusesAndDevices) {
   rig.lose_line();
   rig.receive(1, "0007 0000 0006 FF 04 2712 0001");  // device 0: its line is not open
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 07 00 00 00 05 FF 04 02 00 05"));
+  rig.receive(1, "0008 0000 0006 FF 04 03E8 0001");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 08 00 00 00 05 FF 04 02 00 00"));
   rig.receive(1, "0005 0000 0006 FF 04 2710 0021");  // there is no second device
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 05 00 00 00 03 FF 84 02"));
 }
