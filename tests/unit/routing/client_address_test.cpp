@@ -111,6 +111,7 @@ TEST(Network, MappedFormIsCountedIn128Bits) {
 
 TEST(ClientAddress, IsCountedByTheFirst64BitsOfIpv6) {
   EXPECT_EQ(address("2001:db8:0:7::1").counted_as(), address("2001:db8:0:7:9:9:9:9").counted_as());
+  EXPECT_EQ(address("2001:db8:0:7::1").counted_as(), address("2001:db8:0:7:ffff::1").counted_as());
   EXPECT_NE(address("2001:db8:0:7::1").counted_as(), address("2001:db8:0:8::1").counted_as());
   EXPECT_EQ(address("2001:db8:0:7::1").counted_as().to_text(), "2001:db8:0:7::");
 }

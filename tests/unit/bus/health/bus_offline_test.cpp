@@ -83,6 +83,18 @@ TEST_F(BusOffline, AShorterProbeLeavesTheShareOfALongerOne) {
   EXPECT_THAT(endings_.back(), Ending::offline);
 }
 
+TEST_F(BusOffline, AnAddressWithoutADeviceIsAfterOneUnansweredRequest) {
+  auto usual = breaking();
+  usual.timing.offline_after = 3;
+  usual.timing.retries = 0;
+  open(usual, {{"axis", {}, 1, usual.timing}});
+  for (const std::uint8_t address : {1, 9}) {
+    submit(job(kRead, address));
+    advance(300ms);
+    EXPECT_EQ(bus_->devices()[address].health.is_offline(), address == 9);
+  }
+}
+
 TEST_F(BusOffline, OfflineDevicesTakeTurns) {
   auto one = breaking();
   one.timing.offline_after = 1;

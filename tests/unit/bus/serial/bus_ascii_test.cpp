@@ -43,6 +43,18 @@ TEST_F(BusAscii, AsksAndIsAnswered) {
   EXPECT_EQ(hex(read.transactions[0].response->bytes()), "03 02 12 34");
 }
 
+// Whoever it is for: the next request does not go into it.
+TEST_F(BusAscii, WaitsUntilAFrameThatPausesIsOver) {
+  open(ascii());
+  advance(1s);
+  text(":0203021");
+  submit(job(kRead));
+  advance(19ms);
+  EXPECT_THAT(frames_, IsEmpty());
+  advance(10ms);
+  EXPECT_THAT(texts(), ElementsAre(kAsciiRead));
+}
+
 TEST_F(BusAscii, AReadShowsThatThereIsNoEchoOnlyIfNothingComesBeforeItsAnswer) {
   auto learning = ascii();
   learning.line.echo = std::nullopt;

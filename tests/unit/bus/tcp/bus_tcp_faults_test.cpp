@@ -222,6 +222,17 @@ TEST_F(BusTcpGateway, SaysThatItDidNotReachTheDevice) {
   }
 }
 
+TEST_F(BusTcpGateway, TakesItsAnswersOfBeforeForNoneOfNow) {
+  const auto cached = tcp();
+  drive::Device axis{"axis", {}, 1, cached.timing};
+  axis.cache = 1s;
+  open(cached, {axis});
+  ask("01 03 02 12 34");
+  ask("01 86 0B", "06 0000 0001");
+  submit(job(kRead));
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::answered));
+}
+
 TEST_F(BusTcpGateway, OtherExceptionsAreTheDevicesAnswers) {
   open_gateway();
   for (const std::string_view refusal : {"01 83 02", "01 83 04", "01 83 06", "01 83 10"}) {

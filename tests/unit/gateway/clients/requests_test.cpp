@@ -207,5 +207,23 @@ TEST(Gateway, SilenceAfterListenOnlyIsNoFailure) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 06 01 08 00 04 00 00"));
 }
 
+// Nobody but the drive knows the values that 23 asks for.
+TEST(Gateway, AnswersAWriteThatIsNeverAnsweredUnlessItReadsToo) {
+  Settings settings = one_bus();
+  settings.devices = {{"axis-x", BusId{0}, 1, settings.buses[0].timing}};
+  settings.routes[0].last_unit = 1;
+  settings.routes[0].device = 0;
+  settings.devices[0].profile.unanswered = {{{.address = 5, .mask = 0, .value = 0}, 10ms}};
+  settings.routes[0].functions_named = true;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0006 01 06 0005 0001");
+  rig.advance(200ms);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 06 01 06 00 05 00 01"));
+  rig.receive(1, "0002 0000 000D 01 17 0401 0002 0005 0001 02 0001");
+  rig.advance(200ms);
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 03 01 97 0B"));
+}
+
 }  // namespace
 }  // namespace mbgate::test::requests_test

@@ -14,10 +14,10 @@ class ExchangesAlone : public testing::Test {
   ExchangesAlone() { buses_.touch(BusId{0}).handle_opened({}, bus::LineKind::virtual_line); }
   std::uint32_t ask(std::string_view pdu) {
     const auto* route = settings_.in_force().routes.find(ListenerId{0}, 1);
-    const std::uint32_t index = exchanges_.open();
+    const std::uint32_t index =
+        exchanges_.open(*routing::Plan::make(*route, 1, {}, *modbus::Pdu::from(unhex(pdu))));
     exchanges_[index].route = route;
     exchanges_[index].header = {1, 1};
-    exchanges_[index].plan = *routing::Plan::make(*route, 1, {}, *modbus::Pdu::from(unhex(pdu)));
     exchanges_[index].deadline = exchanges_.deadline_of(exchanges_[index]);
     exchanges_.start(index, {}, {});
     return index;
