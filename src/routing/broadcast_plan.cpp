@@ -239,6 +239,9 @@ void keep_what_stops(AllSent& sent, const Device& stopped, const Request& reques
 
 Result<BroadcastFrames, ExceptionCode> plan_broadcast(const ResolvedRoute& resolved,
                                                       const Request& request) {
+  if (!request.writes()) {  // it is planned all the same to know what was denied
+    return ExceptionCode::illegal_function;
+  }
   AllSent sent = all_forms(resolved, request);
   if (sent.empty()) {
     return ExceptionCode::illegal_data_address;

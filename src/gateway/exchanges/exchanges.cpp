@@ -17,7 +17,7 @@ std::uint32_t Exchanges::open() {
   return index;
 }
 
-std::uint32_t Exchanges::open(routing::Plan plan) {
+std::uint32_t Exchanges::open(routing::Plan&& plan) {
   planned_ += plan.transactions().size();
   const std::uint32_t index = open();
   exchanges_[index].plan = std::move(plan);

@@ -66,7 +66,7 @@ class Exchanges {
   /// A new exchange, with the settings in force. Returns its index.
   std::uint32_t open();
   /// The same with a plan.
-  std::uint32_t open(routing::Plan plan);
+  std::uint32_t open(routing::Plan&& plan);
   [[nodiscard]] Exchange& operator[](std::uint32_t index) { return exchanges_[index]; }
   /// When the time of a request that arrived at `exchange.arrival` is over.
   [[nodiscard]] Instant deadline_of(const Exchange& exchange) const;

@@ -37,6 +37,24 @@ TEST(Denials, NameTheRegistersAndTheValues) {
                                     "5, denied by read_only of listener plant"));
 }
 
+// Function 8 is a write in every rule, and has no registers.
+TEST(Denials, AreToldOfABroadcastThatIsNone) {
+  Settings settings = stop_plant(16);
+  settings.routes.emplace_back().buses = {BusId{0}};
+  for (const auto* request :
+       {"0002 0000 0006 00 08 0001 0000", "0002 0000 0004 00 41 0001",
+        "0002 0000 0006 00 03 0000 0001", "0002 0000 0002 00 07", "0002 0000 0005 00 2B 0E 01 00",
+        "0002 0000 0008 00 16 0000 0001 0002", "0002 0000 0004 00 18 0001",
+        "0002 0000 000D 00 17 0000 0001 0000 0001 02 0001"}) {
+    MachineRig rig(settings);
+    rig.connect(1);
+    rig.receive(1, request);
+    EXPECT_THAT(rig.take_sent(1), ElementsAre(testing::EndsWith(" 01"))) << request;
+    EXPECT_THAT(rig.events, SizeIs(1)) << request;
+    EXPECT_THAT(rig.take_transmitted(), IsEmpty()) << request;
+  }
+}
+
 TEST(Denials, AreToldWhateverDeniesThem) {
   const std::string write = kAsking + ": function 6 at unit 1, holding register 0 = 1, denied by ";
   Settings settings = stop_plant(16);
