@@ -57,13 +57,15 @@ class LinkState {
       // A line that dies as soon as it is open gets no such favour.
       delay_ = settings.reopen_min;
     }
+    left_at_ = is_open() ? now : left_at_;
     state_ = State::closed;
     reopen_at_ = now + delay_;
     delay_ = std::min(2 * delay_, settings.reopen_max);
   }
   /// The server has closed the connection. `answered`: after an answer, so the delay starts from
   /// `reopen_min` again.
-  void rest(const BusSettings& settings, bool answered) {
+  void rest(const BusSettings& settings, bool answered, Instant now) {
+    left_at_ = now;
     state_ = State::resting;
     delay_ = answered ? settings.reopen_min : delay_;
   }
@@ -97,6 +99,8 @@ class LinkState {
   [[nodiscard]] std::optional<Instant> next_attempt() const { return reopen_at_; }
   /// When the last attempt to open it again began.
   [[nodiscard]] Instant tried_at() const { return tried_at_; }
+  /// Since when it has not been open, if it is not.
+  [[nodiscard]] Instant left_at() const { return left_at_; }
 
  private:
   enum class State : std::uint8_t {
@@ -112,6 +116,7 @@ class LinkState {
   Instant opened_at_;
   std::optional<Instant> reopen_at_;
   Instant tried_at_ = Instant::min();
+  Instant left_at_ = Instant::min();
   Duration delay_;
 };
 

@@ -22,6 +22,9 @@ inline constexpr std::size_t kRequestsOutstanding = 64;
 /// beyond that get 06.
 inline constexpr std::size_t kTransactionsOfAll = 32768;
 
+/// The same of one connection: the connections of one client address hold half of all.
+inline constexpr std::size_t kTransactionsOfOne = 256;
+
 /// Writes wait at most for two transactions of the bus, the running one and one that goes before
 /// them, and 0.5 s. Not longer, because an old motion command is dangerous.
 constexpr bus::Duration write_deadline(bus::Duration longest_transaction) {

@@ -75,8 +75,8 @@ void StateReader::read(const bus::LastSent& sent, const bus::BusSettings& settin
 }
 
 void StateReader::read(const bus::LinkState& link, Hash& hash) {
-  // Only after a loss: opened_at, delay, tried_at.
-  const auto& [state, opened_at, reopen_at, delay, tried_at] = link;
+  // Only after a loss: opened_at, delay, tried_at, left_at.
+  const auto& [state, opened_at, reopen_at, delay, tried_at, left_at] = link;
   require(link.is_open() && !reopen_at, "the line is never lost");
   hash.add(state);
 }

@@ -15,19 +15,20 @@ constexpr Duration kNeverSilent = 1s;
 constexpr Duration kLongOffline = 10s;
 constexpr std::size_t kLeastHeard = 3;  // fewer bytes are a driver that turns off
 
-const Transmission* asked_of(const Parts& parts, std::uint8_t address) {
-  const auto running = parts.transmissions.running();
-  const auto asked = std::ranges::find_if(running, [&](const Transmission* transmission) {
-    return transmission->in_flight && transmission->on_wire().address == address;
-  });
-  return asked == running.end() ? nullptr : *asked;
-}
-
 /// Is it what the device is asked now?
 bool is_own(const Parts& parts, const UnsolicitedFrame& unsolicited) {
-  const Transmission* asked = asked_of(parts, unsolicited.address);
-  return asked != nullptr &&
-         std::ranges::equal(asked->on_wire().request.pdu().bytes(), unsolicited.pdu.bytes());
+  const Transmission* asked = parts.transmissions.in_flight_to(unsolicited.address);
+  return asked != nullptr && asked->on_wire().request.pdu() == unsolicited.pdu;
+}
+
+// On a serial line a drive that limits values acknowledges a write by its address alone: the frame
+// is the echo of the oldest such write, unless that is an earlier try of what it is asked now.
+UnsolicitedFrame as_plain_echo(Parts& parts, const UnsolicitedFrame& frame) {
+  const Transmission* asked = parts.transmissions.in_flight_to(frame.address);
+  UnsolicitedFrame plain = frame;
+  plain.pdu = parts.devices[frame.address].plain_echo(frame.pdu);
+  const bool is_own_try = is_own(parts, plain) && asked->tries > 1 && !asked->is_stop();
+  return is_own_try || parts.line.serial() == nullptr ? frame : plain;
 }
 
 }  // namespace
@@ -169,10 +170,9 @@ void LineDiagnosis::notify(DeviceNotice::Kind kind, std::uint8_t address) {
   parts_.actions.push(notice);
 }
 
-void LineDiagnosis::note_unsolicited(UnsolicitedFrame unsolicited) {
+void LineDiagnosis::note_unsolicited(const UnsolicitedFrame& unsolicited) {
   const std::uint8_t address = unsolicited.address;
   DeviceEntry& entry = parts_.devices[address];
-  unsolicited.pdu = entry.plain_echo(unsolicited.pdu);
   frame_heard_ = true;
   // Pieces of damaged answers may make a good frame by chance, of an address that nobody asked.
   if (unsolicited.is_echo || parts_.is_unreached(unsolicited.pdu) ||
@@ -186,12 +186,13 @@ void LineDiagnosis::note_unsolicited(UnsolicitedFrame unsolicited) {
     }
     return;
   }
+  const UnsolicitedFrame plain = as_plain_echo(parts_, unsolicited);
   const auto late = !unsolicited.is_request
-                        ? entry.hold.note_late(unsolicited.pdu.bytes(), unsolicited.came,
-                                               entry.in_force(), entry.health.is_offline())
+                        ? entry.hold.note_late(plain.pdu.bytes(), plain.came, entry.in_force(),
+                                               entry.health.is_offline())
                         : std::optional<Hold::Late>();
   if (!late) {
-    if (!note_second_answer(unsolicited) && !note_misfit(unsolicited)) {
+    if (!note_second_answer(plain) && !note_misfit(unsolicited)) {
       note_foreign(unsolicited);
     }
     return;
@@ -237,7 +238,7 @@ bool LineDiagnosis::note_second_answer(const UnsolicitedFrame& unsolicited) {
 // It stands in the place of the answer to what the device is asked, and fits in its function alone.
 bool LineDiagnosis::note_misfit(const UnsolicitedFrame& unsolicited) {
   SerialDiscipline* line = parts_.line.serial();  // a connection's identifiers tell answers apart
-  const Transmission* asked = asked_of(parts_, unsolicited.address);
+  const Transmission* asked = parts_.transmissions.in_flight_to(unsolicited.address);
   const std::uint8_t function = unsolicited.pdu.function() & ~modbus::kExceptionBit;
   if (line == nullptr || unsolicited.after_noise || unsolicited.is_request || asked == nullptr ||
       asked->on_wire().request.function() != function || unsolicited.came < asked->last_sent ||
@@ -269,7 +270,7 @@ void LineDiagnosis::note_foreign(const UnsolicitedFrame& unsolicited) {
   const Instant now = unsolicited.came;
   DeviceEntry& entry = parts_.devices[unsolicited.address];
   const Duration longest = entry.in_force().quarantine_max;
-  const bool is_asked = asked_of(parts_, unsolicited.address) != nullptr;
+  const bool is_asked = parts_.transmissions.in_flight_to(unsolicited.address) != nullptr;
   const bool is_request_of_now = is_own(parts_, unsolicited);
   entry.others_at = unsolicited.is_request && !is_request_of_now ? now : entry.others_at;
   if (is_request_of_now && unsolicited.is_request && parts_.settings.line.echo == false &&

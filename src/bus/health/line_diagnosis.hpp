@@ -128,7 +128,7 @@ class LineDiagnosis {
   /// Bytes were received; `asked`: while a request was pending.
   void note_bytes(bool asked, Instant now);
   /// A valid frame came that answers no pending request.
-  void note_unsolicited(UnsolicitedFrame unsolicited);
+  void note_unsolicited(const UnsolicitedFrame& unsolicited);
   void note_ended(const Asked& asked, const LineEnd& end, Instant now);
   /// It was answered: how long that took.
   void note_times(const Transmission& transmission, const LineEnd& end, Instant now);

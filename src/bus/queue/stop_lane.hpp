@@ -134,7 +134,7 @@ class AcknowledgedStops {
   }
   [[nodiscard]] bool has(const Transaction& stop, Instant now) const {
     const auto counts = [&](const Stop& it) {
-      return it.address == stop.address && !is_over(it, now);
+      return it.address == stop.address && it.unit == stop.unit && !is_over(it, now);
     };
     const auto different = static_cast<std::size_t>(std::ranges::count_if(stops_, counts));
     return different >= kMostDifferentStops || std::ranges::any_of(stops_, [&](const Stop& it) {

@@ -204,7 +204,9 @@ void TcpDiscipline::handle_deadline(Instant now) {
   const auto rest_by = stray_part_until();
   if ((is_timeout && !stream_.empty() && !is_awaited) || (rest_by && now >= *rest_by)) {
     counters_.stray_bytes += stream_.size();
-    stream_.clear();
+    if (flights_.empty()) {
+      stream_.clear();
+    }
     fault_ = LineFault::answer_cut_off;
   } else if (const auto at = use_.replace_at(replace_after_); at && now >= *at) {
     use_.forget_unanswered();

@@ -116,7 +116,7 @@ bool Dispatch::reopen_if_hung(Instant now) {
 }
 
 void Dispatch::rest(Instant now) {
-  parts_.link.rest(parts_.settings, parts_.line.use().has_answered());
+  parts_.link.rest(parts_.settings, parts_.line.use().has_answered(), now);
   forget_look();
   parts_.line.abort();
   outcomes_.handle_cut(now);
@@ -134,15 +134,17 @@ void Dispatch::wait_for_line(Instant now) {
   if (parts_.link.is_open() || parts_.link.is_reopening()) {
     return;
   }
-  const Duration deadline = stop_deadline(parts_.settings);
+  // Of the time for which a stop has waited, that counts in which the line was not open.
+  const auto deadline_of = [&](const Transmission& stop) {
+    return std::max(stop.waits_since, parts_.link.left_at()) + stop_deadline(parts_.settings);
+  };
   while (Transmission* stop = parts_.stops.find([&](const Transmission& it) {
-    return (parts_.stopping && parts_.link.is_closed()) || now >= it.waits_since + deadline;
+    return (parts_.stopping && parts_.link.is_closed()) || now >= deadline_of(it);
   })) {
     parts_.stops.remove(*stop);
     ends_.finish(*stop, Ending::closed);
   }
-  parts_.stops.visit(
-      [&](const Transmission& stop) { wait_for(wake_at(stop.waits_since + deadline)); });
+  parts_.stops.visit([&](const Transmission& stop) { wait_for(wake_at(deadline_of(stop))); });
   if (!parts_.stops.empty()) {
     parts_.link.hurry(parts_.settings, now);
   }

@@ -71,6 +71,13 @@ Transmission* Transmissions::first_in_flight() const {
   return first == running_.end() ? nullptr : *first;
 }
 
+const Transmission* Transmissions::in_flight_to(std::uint8_t address) const {
+  const auto asked = std::ranges::find_if(running_, [&](const Transmission* it) {
+    return it->in_flight && it->on_wire().address == address;
+  });
+  return asked == running_.end() ? nullptr : *asked;
+}
+
 std::size_t Transmissions::in_flight() const {
   return static_cast<std::size_t>(std::ranges::count_if(running_, &Transmission::in_flight));
 }

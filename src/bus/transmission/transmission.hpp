@@ -92,6 +92,8 @@ class Transmissions {
   [[nodiscard]] Transmission& find(const Transaction* on_wire) const;
   /// Of those in flight, the one that was started first; nullptr if there is none.
   [[nodiscard]] Transmission* first_in_flight() const;
+  /// The one in flight to the device at the address; nullptr if there is none.
+  [[nodiscard]] const Transmission* in_flight_to(std::uint8_t address) const;
   [[nodiscard]] std::size_t in_flight() const;
   /// Its next try, or its next transaction, may go as far as the others are concerned. A stop goes
   /// beside what is already on the wire for its device; nothing more goes beside the stop.

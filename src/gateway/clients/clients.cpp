@@ -110,7 +110,8 @@ void Clients::serve(ClientSession& session, Instant now) {
     Request& request = intake_.take(session, *front.frame, now);
     const bool may_ask =
         request.is_stop || intake_.phase() != Phase::running ||
-        (admission_.may_ask(session, now) && exchanges_.planned() < kTransactionsOfAll);
+        (admission_.may_ask(session, now) && exchanges_.planned() < kTransactionsOfAll &&
+         exchanges_.planned(session.exchanges) < kTransactionsOfOne);
     if (!may_ask && !request.refused) {
       request.for_gateway = false;
       request.refused = modbus::ExceptionCode::server_device_busy;

@@ -74,11 +74,11 @@ bool is_read_otherwise(const routing::Route& route, const routing::Route& before
 }
 
 // Was the transaction carried out, as far as anybody knows?
-bool may_have_worked(const bus::Job& job, std::size_t at) {
+bool may_have_worked(const drive::Device& device, const bus::Job& job, std::size_t at) {
   const bus::Transaction& transaction = job.transactions[at];
   return at < job.current ||
          (at == job.current && transaction.must_hold == nullptr && job.was_on_wire &&
-          !(transaction.response && transaction.response->is_exception()));
+          (!transaction.response || device.has_accepted(*transaction.response)));
 }
 
 // Whatever way it came: a drive that was set otherwise may be out of reach, or speak another order.
@@ -90,7 +90,8 @@ void report_reconfigured(const Exchange& exchange, const Exchange::Part& part,
     for (std::size_t at = 0; device.bus == part.bus && at < part.job->transactions.size(); ++at) {
       const bus::Transaction& it = part.job->transactions[at];
       const bool heard = device.is_addressed_by(it.address, it.broadcast);
-      if (heard && device.is_reconfigured_by(it.request) && may_have_worked(*part.job, at)) {
+      if (heard && device.is_reconfigured_by(it.request) &&
+          may_have_worked(device, *part.job, at)) {
         hit = true;
         by_value =
             by_value && !drive::touches(device.profile.communication, it.request.writes()->range);

@@ -24,6 +24,14 @@ std::uint32_t Exchanges::open(routing::Plan&& plan) {
   return index;
 }
 
+std::size_t Exchanges::planned(std::span<const std::uint32_t> indexes) {
+  std::size_t sum = 0;
+  for (const std::uint32_t index : indexes) {
+    sum += exchanges_[index].plan->transactions().size();
+  }
+  return sum;
+}
+
 void Exchanges::start(std::uint32_t index, Turns turns, Instant now) {
   Exchange& exchange = exchanges_[index];
   exchange.is_held = false;

@@ -12,6 +12,7 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "bus/action_queue.hpp"
@@ -103,6 +104,8 @@ class Exchanges {
   [[nodiscard]] std::size_t open_count() const { return exchanges_.in_use(); }
   /// The transactions of their plans.
   [[nodiscard]] std::size_t planned() const { return planned_; }
+  /// Those of the plans of these.
+  [[nodiscard]] std::size_t planned(std::span<const std::uint32_t> indexes);
 
   /// New settings are in force: jobs that would mean something else now are withdrawn.
   void end_changed(const SettingsSnapshot& old);

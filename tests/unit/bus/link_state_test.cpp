@@ -49,7 +49,7 @@ TEST_F(Link, BeginsAnewOnlyAfterALineThatWorked) {
 
 TEST_F(Link, RestsUntilItIsWanted) {
   link_.note_opened(Instant{10s});
-  link_.rest(settings(), true);
+  link_.rest(settings(), true, Instant{10s});
   EXPECT_TRUE(link_.is_resting() && link_.serves() && !link_.is_open());
   EXPECT_EQ(link_.next_attempt(), std::nullopt);
   link_.wake(Instant{10s});

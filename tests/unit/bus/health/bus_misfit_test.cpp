@@ -135,6 +135,22 @@ TEST_F(BusMisfit, ALateLimitedEchoAnswersNoLaterWrite) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
 }
 
+TEST_F(BusMisfit, ALimitedEchoAnswersAnyTryOfItsWrite) {
+  drive::Device limiting{"axis", {}, 1, settings().timing};
+  limiting.limits_values = true;
+  limiting.timing.retry_writes = true;
+  limiting.timing.retries = 1;
+  open(settings(), {limiting});
+  ask(kSetPoint);
+  for (int waited = 0; frames_.size() < 2 && waited < 500; ++waited) {
+    advance(1ms);
+  }
+  ASSERT_THAT(endings_, IsEmpty());
+  advance(10ms);
+  line(kLimited);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+}
+
 TEST_F(BusMisfit, ALimitedEchoIsNotTooEarly) {
   drive::Device limiting{"axis", {}, 1, settings().timing};
   limiting.limits_values = true;

@@ -88,7 +88,7 @@ TEST_F(BusOffline, AnAddressWithoutADeviceIsAfterOneUnansweredRequest) {
   usual.timing.offline_after = 3;
   usual.timing.retries = 0;
   open(usual, {{"axis", {}, 1, usual.timing}});
-  for (const std::uint8_t address : {1, 9}) {
+  for (const std::uint8_t address : {std::uint8_t{1}, std::uint8_t{9}}) {
     submit(job(kRead, address));
     advance(300ms);
     EXPECT_EQ(bus_->devices()[address].health.is_offline(), address == 9);

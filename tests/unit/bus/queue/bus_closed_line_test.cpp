@@ -85,6 +85,24 @@ TEST_F(BusClosedLine, AStopEndsIfNobodyKnowsWhetherThatFailsInTime) {
   EXPECT_THAT(endings_, ElementsAre(Ending::closed));
 }
 
+// Only the time counts in which the line was not open.
+TEST_F(BusClosedLine, AStopThatWaitedBeforeHasItOpenedToo) {
+  auto slow = remote();
+  slow.timing.response_timeout = 3s;
+  slow.stop_wait = 3s;
+  open(slow, {axis(slow)});
+  submit(job(kRead));
+  advance(10ms);
+  line(kAnswer);
+  submit(job(kRead));
+  submit(job(kStop));
+  advance(2500ms);
+  lose(bus::Loss::closed);
+  EXPECT_EQ(opens_, 2U);
+  reopen();
+  EXPECT_EQ(frames_.back(), kStopFrame);
+}
+
 TEST_F(BusClosedLine, IsNotOpenedAgainWhileTheGatewayStops) {
   open(settings(), {axis(settings())});
   lose();

@@ -157,12 +157,18 @@ TEST(Drives, AWriteOfCommunicationRegistersIsRefusedOrJournaled) {
 TEST(Drives, AWriteOfCommunicationRegistersIsJournaledIfItMayHaveBeenDone) {
   Settings settings = one_drive();
   settings.devices[0].allow_reconfigure = true;
+  settings.devices[0].profile.acceptances.set(5);
   MachineRig rig(settings);
   rig.connect(1);
   rig.receive(1, "0001 0000 0006 01 06 0032 0085");
   rig.respond("01 86 04");
   EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 86 04"));
   EXPECT_THAT(rig.events, IsEmpty());
+  rig.advance(10ms);
+  rig.receive(1, "0003 0000 0006 01 06 0032 0085");
+  rig.respond("01 86 05");  // by which this drive says that it does so
+  EXPECT_THAT(take_answers(rig, 1), ElementsAre("01 86 05"));
+  EXPECT_THAT(std::exchange(rig.events, {}), testing::SizeIs(1));
   rig.advance(10ms);
   rig.receive(1, "0002 0000 0006 01 06 0032 0085");
   rig.advance(200ms);
