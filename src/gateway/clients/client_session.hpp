@@ -168,7 +168,8 @@ class ClientSession {
   Instant timer_at = Instant::max();     ///< its timer in Sessions; max(): it has none
   const Turns* turns = nullptr;          ///< of its address, until it is closed
   boost::container::small_vector<std::uint32_t, 4> exchanges;
-  std::deque<std::uint32_t> held;  ///< of these, those beyond `pipeline`, which no bus has yet
+  /// Of these, those beyond `pipeline`, which no bus has yet.
+  boost::container::small_vector<std::uint32_t, 4> held;
 
  private:
   /// What ends its timeouts may lie in the socket: they are judged when that has been read.

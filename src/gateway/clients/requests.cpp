@@ -163,7 +163,7 @@ void Requests::replace_unanswered(ClientSession& session) {
 void Requests::start_held(ClientSession& session, Instant now) {
   while (!session.held.empty() && session.has_room_on_buses()) {
     const std::uint32_t index = session.held.front();
-    session.held.pop_front();
+    session.held.erase(session.held.begin());
     Exchange& exchange = exchanges_[index];
     if (!exchange.is_held) {
       continue;  // it was refused meanwhile, and completes
@@ -272,7 +272,7 @@ void Requests::complete(std::uint32_t index, Instant now) {
     ClientSession* session = sessions_.find(exchange.client);
     MBGATE_ASSERT(session != nullptr, "a request knows whether its client is there");
     session->exchanges.erase(std::ranges::find(session->exchanges, index));
-    std::erase(session->held, index);
+    session->held.erase(std::ranges::remove(session->held, index).begin(), session->held.end());
     const auto adu = adu_of(exchange);
     if (exchange.failed) {
       ++session->refused;
