@@ -21,8 +21,8 @@ struct Scenario {
   std::string program;  ///< "mbgated", "master", "relay", or a name of Means::commands
   Plant plant{};
   LoadSettings load{};
-  bool coalesce = true;       ///< mbgated's key
-  unsigned wake_early = 100;  ///< mbgated's key, in microseconds
+  bool coalesce = true;      ///< mbgated's key
+  unsigned wake_early = 40;  ///< mbgated's key, in microseconds
 };
 
 /// What the harness has at hand.

@@ -149,7 +149,7 @@ struct Settings {
   /// Path of the Unix socket of mbgate-signer, which holds the private keys.
   std::string signer = "/run/mbgate-signer/socket";
   /// Kernel timers fire late: the driver wakes so long before an instant and busy-waits for it.
-  Duration wake_early = std::chrono::microseconds(100);
+  Duration wake_early = std::chrono::microseconds(40);
   std::vector<TlsSettings> tls{};
   std::vector<ListenerSettings> listeners;
   std::vector<BusSettings> buses;

@@ -55,7 +55,7 @@ TEST(Changes, AreToldWithTheValuesOfPlainKeys) {
   next.devices[0].word_order = drive::WordOrder::little;
   next.devices[0].cache = 50ms;
   EXPECT_THAT(changes(plant(), next),
-              ElementsAre("gateway: wake_early \"100us\" -> \"0s\"",
+              ElementsAre("gateway: wake_early \"40us\" -> \"0s\"",
                           "listener plant: keepalive_idle \"30s\" -> \"1m\"",
                           "bus line-a: baud 19200 -> 115200, frame_gap - -> \"3ms\", "
                           "parity \"even\" -> \"none\"",
