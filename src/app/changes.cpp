@@ -7,8 +7,10 @@
 #include <iterator>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <type_traits>
 
+#include "base/text.hpp"
 #include "config/keys/keys.hpp"
 #include "config/toml/match_entry.hpp"
 
@@ -23,22 +25,19 @@ using gateway::ListenerSettings;
 using gateway::Settings;
 
 // What is short enough to be told: numbers, names and words, as they stand in the file.
-std::string text_of(bool value) { return value ? "true" : "false"; }
-std::string text_of(std::integral auto value) { return std::to_string(value); }
-std::string text_of(const std::string& value) { return fmt::format("\"{}\"", value); }
+std::string text_of(std::integral auto value) { return config::value_text(value); }
+std::string text_of(std::string_view value) { return fmt::format("\"{}\"", value); }
 std::string text_of(bus::Framing framing) {
-  return text_of(std::string(config::word_for(config::kFramings, framing)));
+  return text_of(config::word_for(config::kFramings, framing));
 }
 std::string text_of(modbus::Parity parity) {
-  return text_of(std::string(config::word_for(config::kParities, parity)));
+  return text_of(config::word_for(config::kParities, parity));
 }
-std::string text_of(drive::WordOrder order) {
-  return text_of(std::string(config::order_word(order)));
-}
-std::string text_of(const bus::Endpoint& end) { return fmt::format("{}:{}", end.host, end.port); }
+std::string text_of(drive::WordOrder order) { return text_of(config::order_word(order)); }
+std::string text_of(const bus::Endpoint& end) { return host_and_port(end.host, end.port); }
 template <typename Value>
 auto text_of(const std::optional<Value>& value) -> decltype(text_of(*value)) {
-  return value ? text_of(*value) : "-";
+  return value ? text_of(*value) : config::value_text({});
 }
 
 /// The keys of one section that differ.

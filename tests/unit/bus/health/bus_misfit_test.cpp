@@ -13,6 +13,12 @@ constexpr auto kAnswered = "01 06 00 05 27 10 83 F7";
 
 class BusMisfit : public Bus {
  protected:
+  /// It echoes a written value as it has limited it.
+  static drive::Device limiting_axis() {
+    drive::Device axis{"axis", {}, 1, settings().timing};
+    axis.limits_values = true;
+    return axis;
+  }
   void ask(std::string_view request) {
     submit(job(request));
     advance(10ms);
@@ -104,9 +110,7 @@ TEST_F(BusMisfit, AReadIsRepeatedOnceItsAnswerHadTime) {
 }
 
 TEST_F(BusMisfit, ALimitedEchoIsTheAnswerWhereTheDeviceIsToldToGiveIt) {
-  drive::Device limiting{"axis", {}, 1, settings().timing};
-  limiting.limits_values = true;
-  open(settings(), {limiting});
+  open(settings(), {limiting_axis()});
   ask(kSetPoint);
   line(kLimited);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
@@ -119,8 +123,7 @@ TEST_F(BusMisfit, ALimitedEchoIsTheAnswerWhereTheDeviceIsToldToGiveIt) {
 
 // The same 06 with another value is still unanswered: what comes is its late echo, limited too.
 TEST_F(BusMisfit, ALateLimitedEchoAnswersNoLaterWrite) {
-  drive::Device limiting{"axis", {}, 1, settings().timing};
-  limiting.limits_values = true;
+  drive::Device limiting = limiting_axis();
   limiting.timing.quarantine = 0ms;
   open(settings(), {limiting});
   ask(kSetPoint);
@@ -136,8 +139,7 @@ TEST_F(BusMisfit, ALateLimitedEchoAnswersNoLaterWrite) {
 }
 
 TEST_F(BusMisfit, ALimitedEchoAnswersAnyTryOfItsWrite) {
-  drive::Device limiting{"axis", {}, 1, settings().timing};
-  limiting.limits_values = true;
+  drive::Device limiting = limiting_axis();
   limiting.timing.retry_writes = true;
   limiting.timing.retries = 1;
   open(settings(), {limiting});
@@ -152,8 +154,7 @@ TEST_F(BusMisfit, ALimitedEchoAnswersAnyTryOfItsWrite) {
 }
 
 TEST_F(BusMisfit, ALimitedEchoIsNotTooEarly) {
-  drive::Device limiting{"axis", {}, 1, settings().timing};
-  limiting.limits_values = true;
+  drive::Device limiting = limiting_axis();
   limiting.timing.response_wait = 4ms;
   open(settings(), {limiting});
   ask(kSetPoint);
@@ -164,8 +165,7 @@ TEST_F(BusMisfit, ALimitedEchoIsNotTooEarly) {
 
 // Two stops by values of their own: what comes is late, and is the echo of the first.
 TEST_F(BusMisfit, ALimitedEchoAcknowledgesNoStop) {
-  drive::Device limiting{"axis", {}, 1, settings().timing};
-  limiting.limits_values = true;
+  drive::Device limiting = limiting_axis();
   limiting.timing.stop_retries = 0;
   limiting.profile.stops = {{modbus::Table::holding_registers, 5, 0xF000, 0x2000}};
   open(settings(), {limiting});
