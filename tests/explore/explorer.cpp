@@ -27,6 +27,9 @@ Findings Explorer::run() {
   enter();
   while (!steps_.empty()) {
     if (steps_.back().next == steps_.back().choices.size()) {
+      if (!steps_.back().arena.empty()) {
+        spare_.push_back(std::move(steps_.back().arena));
+      }
       steps_.pop_back();
       if (!path_.empty()) {
         path_.pop_back();
@@ -97,6 +100,10 @@ Explorer::Step Explorer::here() {
     step.choices.clear();
   }
   if (step.choices.size() > 1 || merging_ == Merging::compared) {
+    if (!spare_.empty()) {
+      step.arena = std::move(spare_.back());
+      spare_.pop_back();
+    }
     copy_arena(step.arena);
   }
   return step;

@@ -77,6 +77,7 @@ class Explorer {
   std::map<Digest, Digest> behaviours_;
   std::unique_ptr<World> world_;  ///< and all that it owns: in the arena
   std::vector<Step> steps_;
+  std::vector<std::vector<std::byte>> spare_;  ///< the memory of steps that are over
   Path path_;
   Findings findings_;
 };

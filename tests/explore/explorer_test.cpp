@@ -127,7 +127,6 @@ TEST(KnownStates, KnowsEachOnce) {
   for (std::uint64_t number = 0; number < 100'000; ++number) {
     EXPECT_FALSE(add(number, 1, 1 | 2));
   }
-  EXPECT_EQ(known.size(), 100'000U);
 }
 
 TEST(KnownStates, AStateIsGoneThroughAgainWithMoreSlackAndNotWithLess) {
@@ -137,7 +136,6 @@ TEST(KnownStates, AStateIsGoneThroughAgainWithMoreSlackAndNotWithLess) {
   EXPECT_TRUE(known.add(state, 2, 2));
   EXPECT_FALSE(known.add(state, 1, 1 | 2));
   EXPECT_FALSE(known.add(state, 2, 2));
-  EXPECT_EQ(known.size(), 1U);
 }
 
 }  // namespace
