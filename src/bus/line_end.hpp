@@ -59,6 +59,7 @@ struct LineEnd {
   Duration heard_after{0};   ///< from the end of the request to the first of them
   std::size_t noise = 0;     ///< bytes before the response, good or damaged, that are no part of it
   bool may_be_echo = false;  ///< no response, but what may be one: it may be an echo as well
+  bool shows_no_echo = false;  ///< a response that shows it: what may have been an echo was none
 };
 
 enum class LineFault : std::uint8_t {

@@ -20,6 +20,7 @@
 #include <array>
 #include <boost/container/static_vector.hpp>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -135,6 +136,8 @@ class Hold {
   /// A frame came in its place that is no answer, or is damaged. Its answer may still come until
   /// the response timeout is over.
   void note_unreadable(const Sent& sent) { add(sent, true); }
+  /// The line has no echo: whatever may have been an echo was the answer.
+  void note_no_echo() { std::erase_if(unanswered_, std::mem_fn(&Unanswered::may_be_answered)); }
   /// A good frame of it came, though it answers nothing.
   void note_heard(Instant now) { heard_at_ = now; }
   /// It was answered by `response` (a PDU), `took` after the end of the transmission. If an earlier

@@ -177,23 +177,24 @@ void Echo::note_unproven() {
   }
 }
 
-void Echo::note_answered(const modbus::Pdu& response, bool came_first) {
+bool Echo::note_answered(const modbus::Pdu& response, bool came_first) {
   if (!is_repetition(response)) {
     heard_.set(address_);
   }
   if (std::exchange(echoed_, false)) {
     find();
-    return;
+    return false;
   }
   const bool shows_none =
       came_first && !may_answer_ && shows_anything(*asked_) && modbus::is_read(asked_->bytes());
   if (!learns_ || state_ != State::unknown || !shows_none || (shown_ && ++lost_ < kMostLost)) {
-    return;
+    return false;
   }
   state_ = State::absent;
   if (std::exchange(shown_, false)) {
     note_fault(faults_, LineFault::echo_gone);
   }
+  return true;
 }
 
 }  // namespace mbgate::bus

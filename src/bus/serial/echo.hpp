@@ -95,8 +95,8 @@ class Echo {
   void note_unproven();
   /// A response was accepted. `came_first`: nothing at all came before it; an echo would have. (If
   /// anything did come, it may be a damaged echo.) On a line with an echo, one may be lost, but not
-  /// those of several reads in a row.
-  void note_answered(const modbus::Pdu& response, bool came_first);
+  /// those of several reads in a row. Returns whether this has shown that the line has none.
+  bool note_answered(const modbus::Pdu& response, bool came_first);
   /// Has the device that was asked last answered something that is no echo, since the line was
   /// opened?
   [[nodiscard]] bool has_heard_device() const { return heard_.test(address_); }

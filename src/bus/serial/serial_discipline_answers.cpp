@@ -118,11 +118,14 @@ void SerialDiscipline::judge(Verdict verdict, Instant now) {
   }
   switch (verdict) {
     case Verdict::none: return;
-    case Verdict::response:
-      echo_.note_answered(framer_.response(), framer_.found().came_first);
+    case Verdict::response: {
+      const bool shows_no_echo =
+          echo_.note_answered(framer_.response(), framer_.found().came_first);
       transaction_->response = framer_.response();
       end(LineEnd::How::response);
+      end_->shows_no_echo = shows_no_echo;
       return;
+    }
     case Verdict::damaged:
       draining_ = true;
       end(LineEnd::How::damaged);

@@ -209,7 +209,6 @@ void TcpDiscipline::handle_deadline(Instant now) {
     }
     fault_ = LineFault::answer_cut_off;
   } else if (const auto at = use_.replace_at(replace_after_); at && now >= *at) {
-    use_.forget_unanswered();
     fault_ = LineFault::unanswered;
   }
 }

@@ -125,6 +125,9 @@ void Outcomes::take_response(Transmission& transmission, const LineEnd& end, Ins
     note_unreached(transmission, now);
     return;
   }
+  if (end.shows_no_echo) {
+    std::ranges::for_each(parts_.devices.entries(), &Hold::note_no_echo, &DeviceEntry::hold);
+  }
   entry.note_heard();
   entry.unreached.reset();
   entry.hold.note_answered(sent_of(transmission, *entry.device, end.due), response.bytes(),

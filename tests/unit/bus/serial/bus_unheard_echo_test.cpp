@@ -51,6 +51,23 @@ TEST_F(BusEcho, AReadGoesBeforeTheRepetitionOfAStopThatMayHaveBeenAnswered) {
   EXPECT_THAT(frames_, ElementsAre(kStopFrame, kReadFrame));
 }
 
+TEST_F(BusEcho, AReadWithoutOneShowsThatTheRepetitionBeforeWasTheAnswer) {
+  open_as(bus::LineKind::virtual_line);
+  const auto write = [this] {
+    submit(job(kWritePdu));
+    advance(10ms);
+    line("01 06 00 00 00 01 48 0A");
+    time_out();
+    advance(1s);
+  };
+  write();
+  submit(job(kRead));
+  advance(10ms);
+  line(kAnswer);
+  write();
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered, Ending::answered));
+}
+
 // A drive does that with one write.
 TEST_F(BusEcho, AWholeRequestAsItsAnswerProvesNothing) {
   open_as(bus::LineKind::virtual_line);
