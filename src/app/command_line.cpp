@@ -111,7 +111,8 @@ std::string allow_line(const std::vector<std::string>& allow) {
 std::variant<Options, int> parse_command_line(int argc, const char* const* argv,
                                               const std::string& version) {
   Options options;
-  CLI::App app("mbgated: carries Modbus TCP requests to devices on serial lines", "mbgated");
+  CLI::App app("mbgated: Modbus TCP gateway to devices on serial lines and to Modbus TCP servers",
+               "mbgated");
   const CLI::Option* const config =
       app.add_option("--config", options.config,
                      "The configuration file; those of conf.d beside it are read too")
@@ -122,17 +123,17 @@ std::variant<Options, int> parse_command_line(int argc, const char* const* argv,
                  "/etc/mbgate/profiles and the installed ones)")
       ->type_name("DIR")
       ->check(CLI::ExistingDirectory);
-  app.add_option(
-         "--record", options.record,
-         "Record everything that clients and lines say to this file, in the service's state "
-         "directory if it has one; it grows as long as mbgated runs")
+  app.add_option("--record", options.record,
+                 "Write a recording of all clients and lines to this file, in the service's state "
+                 "directory if it has one; it grows as long as mbgated runs")
       ->type_name("FILE");
   CLI::Option* const check = app.add_flag(
       "--check", options.check, "Validate the configuration without touching a port, then exit");
   bool keys = false;
-  app.add_flag("--keys", keys,
-               "Print what each plain key of the configuration takes: section, key, range, default "
-               "and where it belongs, separated by tabs; then exit");
+  app.add_flag(
+      "--keys", keys,
+      "Print what each key with a single value takes: section, key, range, default and where "
+      "it belongs, separated by tabs; then exit");
   app.set_version_flag("--version", "mbgated " + version);
   SerialWords words;
   const CLI::Option* const serial = add_serial(app, words, options.print);

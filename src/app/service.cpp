@@ -238,23 +238,16 @@ void Service::http_refused(const std::string& address) {
                      {.id = message_id::kHttpRefused, .client = address});
 }
 
-// Drives are served without it too. Where the folder of the default path is not there, nobody asked
-// for it: mbgated does not run as a service.
+// Drives are served without it too.
 void Service::start_control() {
   std::string path = driver_.settings().control_socket;
   if (path.empty()) {
     return;
   }
-  const bool is_default = path == gateway::Settings{}.control_socket;
   const char* const folder = std::getenv("RUNTIME_DIRECTORY");  // of the unit (systemd.exec)
-  if (is_default && folder != nullptr) {
+  if (path == gateway::Settings{}.control_socket && folder != nullptr) {
     const std::string_view all = folder;
     path = std::filesystem::path(all.substr(0, all.find(':'))) / "control";
-  }
-  const bool is_unasked =
-      is_default && !std::filesystem::exists(std::filesystem::path(path).parent_path());
-  if (is_unasked) {
-    return;
   }
   const std::string failure = control_.listen_at(path);
   if (!failure.empty()) {

@@ -143,7 +143,6 @@ RouteTable::Index RouteTable::route_of_form(const ResolvedRoute& resolved, Index
   route.functions.allowed &= all.functions.allowed;
   route.broadcast_reply = all.broadcast_reply;
   route.broadcast_mixed = all.broadcast_mixed;
-  only.device = nullptr;
   only.devices_of_buses = {devices_on(bus)};
   only.only_form = form;
   routes_.push_back(std::move(only));

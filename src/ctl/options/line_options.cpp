@@ -100,10 +100,10 @@ void add_line_to_doctor(CLI::App& doctor, DoctorWords& words) {
   add_with(doctor, device, "--parity", port.parities, "even, none or odd");
   add_with(doctor, device, "--stop-bits", port.stop_bits, "1, or 2 where there is no parity");
   add_with(doctor, device, "--timeout", port.wait,
-           "the first byte of an answer that comes later is late");
+           "response timeout: an answer that begins later counts as late");
   doctor
       .add_option("--bus", words.command.bus,
-                  "examine this bus of the configuration, not the only one")
+                  "examine this bus; required if the configuration has several")
       ->type_name("NAME")
       ->excludes(device);
   doctor.add_option("--config", words.command.config, "the configuration file, with --bus")

@@ -27,7 +27,7 @@ std::string_view meaning(std::uint8_t code) {
     case 0x08: return "the device's memory has a parity error";
     case 0x0A:
       return "never transmitted (a broadcast: not on each of its buses): no route, no such device, "
-             "its line is closed, or it was a write to a device that does not answer";
+             "or its line is closed";
     case 0x0B: return "no valid answer came";
     default: return "a code of the device's maker; its manual says what it means";
   }

@@ -45,6 +45,13 @@ TEST_F(Pace, TakesAnAnswerForThatOfTheFirstTryUnlessSuchQuickOnesAreUsual) {
   EXPECT_EQ(pace_.longest_answer(), 110ms);
 }
 
+TEST_F(Pace, AnAnswerAnEighthSoonerThanAnyOtherIsSudden) {
+  EXPECT_FALSE(pace_.note_answer(80ms, 80ms, after(0s)));
+  EXPECT_FALSE(pace_.note_answer(70ms, 70ms, after(1s)));
+  answer(80ms, 180s);
+  EXPECT_TRUE(pace_.note_answer(69999us, 69999us, after(181s)));
+}
+
 TEST_F(Pace, LearnsHowLateAnswersAreAndForgetsAnEighthInEachMinute) {
   EXPECT_EQ(pace_.learned(after(0s)), 0ms);
   pace_.note_late(800ms, after(0s));

@@ -30,9 +30,11 @@ TEST_F(ConnectionsAlone, OneThatIsClosedIsFoundNoMoreButLiesStillUntilItIsSwept)
   EXPECT_EQ(sessions().find(ClientId{1}), nullptr);
   EXPECT_EQ(sessions().size(), 1U);
   EXPECT_EQ(first.id(), ClientId{1});
+  EXPECT_EQ(sessions().add(ClientId{1}, info_of("192.0.2.1"), {}), nullptr);
   sessions().sweep();
   EXPECT_EQ(sessions().size(), 1U);
   EXPECT_NE(sessions().find(ClientId{2}), nullptr);
+  EXPECT_NE(sessions().add(ClientId{1}, info_of("192.0.2.1"), {}), nullptr);
 }
 
 TEST_F(ConnectionsAlone, OneThatIsClosedIsNotServedAnyMore) {

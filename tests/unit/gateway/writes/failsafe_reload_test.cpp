@@ -71,7 +71,7 @@ TEST_F(FailsafeReload, WhatIsUnderWayBeginsAnewWithTheNewWrites) {
   rig_.reload(changed);
   rig_.lose_line();
   rig_.open_line();
-  EXPECT_THAT(answer_all(rig_, 3s), ElementsAre(kSecond, kStop1));
+  EXPECT_THAT(answer_all(rig_), ElementsAre(kSecond, kStop1));
 }
 
 TEST_F(FailsafeReload, WhatWasUnderWayIsNotRepeatedForAClientThatAsksAgain) {
