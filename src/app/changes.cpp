@@ -153,6 +153,10 @@ std::vector<modbus::Pdu> pdus(const std::vector<modbus::Request>& requests) {
   return found;
 }
 
+std::string_view echo_word(const Device& device) {
+  return config::word_for(config::kEchoes, device.limits_values);
+}
+
 std::string differences(const Settings& old, const Settings& next, std::size_t number,
                         const Device& /*kind*/) {
   const Device& a = old.devices[number];
@@ -162,10 +166,14 @@ std::string differences(const Settings& old, const Settings& next, std::size_t n
   Differences found;
   found.compare("bus", old.bus(a.bus).name, next.bus(b.bus).name);
   found.compare("address", a.address, b.address);
-  found.compare("profile or values of its own", a.profile, b.profile);
+  found.compare("profile", a.profile.name, b.profile.name);
+  if (a.profile.name == b.profile.name) {
+    found.compare("profile or values of its own", a.profile, b.profile);
+  }
   found.compare("word_order", a.word_order, b.word_order);
   found.compare("opcode_order", a.opcode_order, b.opcode_order);
   found.compare("write_function", a.write_function, b.write_function);
+  found.compare("write_echo", echo_word(a), echo_word(b));
   found.compare(config::device_keys(), a, b);
   found.compare(config::timing_keys(), a.timing, times_after(old, next, number));
   found.compare("writer", guarded.writer, guards.writer);

@@ -7,10 +7,16 @@ namespace {
 constexpr std::size_t kMultipleWriteData = 6;  // offset in the PDU (6.12)
 constexpr std::size_t kReadWriteData = 10;     // (6.17)
 
+// A masked write (22) may make any opcode.
 bool writes_position_opcode(const Device& device, const modbus::Request& request) {
   const auto& opcodes = device.profile.position_opcodes;
-  const auto opcode = opcodes ? request.written(opcodes->address) : std::nullopt;
-  return opcode && std::ranges::find(opcodes->opcodes, *opcode) != opcodes->opcodes.end();
+  constexpr auto kHolding = modbus::Table::holding_registers;
+  if (!opcodes || !request.writes() ||
+      !contains(request.writes()->range, kHolding, opcodes->address)) {
+    return false;
+  }
+  const auto opcode = request.written(opcodes->address);
+  return !opcode || std::ranges::find(opcodes->opcodes, *opcode) != opcodes->opcodes.end();
 }
 
 bool writes_position(const Device& device, const modbus::Request& request) {
@@ -22,7 +28,10 @@ bool writes_position(const Device& device, const modbus::Request& request) {
 
 DeviceTiming Device::timing_of(const modbus::Request& request) const {
   DeviceTiming times = timing;
-  const auto meets = [](const SlowRegisters& slow, const std::optional<modbus::AddressField>& at) {
+  const auto meets = [&](const SlowRegisters& slow, std::optional<modbus::AddressField> at) {
+    if (at && at->range.table == modbus::Table::input_registers && profile.input_as_holding) {
+      at->range.table = modbus::Table::holding_registers;
+    }
     return at && overlap(slow.range, at->range);
   };
   for (const SlowRegisters& slow : profile.slow) {

@@ -32,13 +32,27 @@ MaybeError check_size(const Pdu& pdu, std::size_t size) {
   return pdu.size() == size ? MaybeError{} : illegal_data_value;
 }
 
-// 20 and 21: a byte count of all that follows; 20 has sub-requests of 7 bytes each (6.14, 6.15).
+// 20 and 21: a byte count of all that follows, and sub-requests of 7 bytes each, of which the last
+// two are the number of registers. In 21 these follow (6.14, 6.15).
 MaybeError check_file_record(const Pdu& pdu, std::size_t smallest, std::size_t largest) {
-  const Bytes bytes = pdu.bytes();
-  const bool fits = bytes.size() >= 2 && bytes[1] >= smallest && bytes[1] <= largest &&
-                    bytes[1] == bytes.size() - 2;
-  const bool whole = fits && (pdu.function() != 0x14 || bytes[1] % kFileSubRequest == 0);
-  return whole ? MaybeError{} : illegal_data_value;
+  constexpr std::uint8_t kReferenceType = 6;
+  constexpr std::size_t kRecordLength = 5;
+  Bytes rest = pdu.bytes();
+  if (rest.size() < 2 || rest[1] < smallest || rest[1] > largest || rest[1] != rest.size() - 2) {
+    return illegal_data_value;
+  }
+  for (rest = rest.subspan(2); !rest.empty();) {
+    if (rest.size() < kFileSubRequest || rest[0] != kReferenceType) {
+      return illegal_data_value;
+    }
+    const std::size_t registers =
+        pdu.function() == 0x14 ? 0 : modbus::load_be16(rest, kRecordLength);
+    if (rest.size() < kFileSubRequest + 2 * registers) {
+      return illegal_data_value;
+    }
+    rest = rest.subspan(kFileSubRequest + 2 * registers);
+  }
+  return {};
 }
 
 // 08: a sub-function and at least one 16-bit data field (6.8).

@@ -261,8 +261,10 @@ Result<BroadcastFrames, ExceptionCode> plan_broadcast(const ResolvedRoute& resol
   if (code) {
     return *code;
   }
-  // Of a stop nothing is exchanged: its registers are no part of a value.
-  const auto ordered = is_stop ? std::optional(request) : in_order_of_all(resolved, all, request);
+  auto ordered = in_order_of_all(resolved, all, request);
+  if (!ordered && is_stop) {
+    ordered = request;  // it is never refused for its parameters
+  }
   if (!ordered) {
     return ExceptionCode::illegal_data_value;
   }

@@ -101,7 +101,7 @@ Result<DevicePlan, ExceptionCode> Planner::plan_read() {
   const TableRange known{input ? Table::holding_registers : asked.table, asked.first, asked.count};
   const TableRange range = widened(known);
   Table table = asked.table;
-  if (input && range.count > profile_.limits.read_from(table)) {
+  if (input && (range.count > profile_.limits.read_from(table) || !profile_.functions.test(0x04))) {
     table = Table::holding_registers;
   }
   DevicePlan plan;

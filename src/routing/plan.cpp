@@ -207,7 +207,8 @@ std::optional<ExceptionCode> Plan::add_device_requests(const ResolvedRoute& reso
     return planned.error();
   }
   if (device.verify_word_order && resolved.route.word_order && !request.is_read() &&
-      !device.is_stop(request) && device.touches_value(request)) {
+      !device.is_stop(request) && request.writes() &&
+      device.profile.values.any_in(request.writes()->range)) {
     add_question(device);
   }
   reply_ = planned->reply;

@@ -66,6 +66,9 @@ void RouteTable::add_transparent(const ListenerKind& kind, Units& units) {
 }
 
 void RouteTable::add(const Route& route, Units& units) {
+  if (route.buses.empty()) {
+    return;  // to all buses of a gateway that has none
+  }
   const auto index = static_cast<Index>(routes_.size());
   ResolvedRoute& resolved = routes_.emplace_back();
   resolved.route = route;

@@ -140,7 +140,7 @@ void check_longest_quarantine(TomlTable& table, bool inherited, drive::DeviceTim
   if (timing.quarantine_max >= first) {
     return;
   }
-  for (const auto* key : {"quarantine_max", "quarantine", "response_timeout"}) {
+  for (const auto* key : {"quarantine_max", "quarantine", "response_timeout", "profile"}) {
     if (table.has(key)) {  // otherwise the error was reported at the bus
       table.error(key, "quarantine_max ({}) is shorter than quarantine ({}{}",
                   to_text(timing.quarantine_max), to_text(first),
@@ -166,7 +166,7 @@ void check_probe_timeout(TomlTable& table, const drive::DeviceTiming& timing) {
   if (!timing.probe_timeout || *timing.probe_timeout <= timing.response_timeout / 2) {
     return;
   }
-  for (const auto* key : {"probe_timeout", "response_timeout"}) {
+  for (const auto* key : {"probe_timeout", "response_timeout", "profile"}) {
     if (table.has(key)) {  // otherwise the error was reported at the bus
       table.warning(key,
                     "probe_timeout ({}) is longer than half of response_timeout ({}): probes wait "

@@ -9,14 +9,13 @@ namespace {
 constexpr std::uint8_t kLoneServer = 255;
 
 void read_bus(Draft& draft, TomlTable& table, drive::Device& device) {
+  device.bus = drive::BusId{~0U};  // on no bus: its address clashes with nobody's but its like
   if (!table.require("bus")) {
     return;
   }
   if (const auto bus = find_named(table, "bus", draft.settings.buses)) {
     device.bus = drive::BusId{static_cast<std::uint32_t>(*bus)};
     device.timing = draft.settings.buses[*bus].timing;
-  } else {
-    device.bus = drive::BusId{~0U};  // on no bus: its address clashes with nobody's but its like
   }
 }
 
@@ -150,8 +149,6 @@ void read_orders(Draft& draft, TomlTable& table, drive::Device& device) {
     table.error("verify_word_order", "needs 'word_order', the expected setting");
   }
 }
-
-constexpr std::array kEchoes = {Word{"value", false}, Word{"address", true}};
 
 void read_writing(Draft& draft, TomlTable& table, drive::Device& device) {
   assign(device.limits_values, table.word<bool>("write_echo", kEchoes));

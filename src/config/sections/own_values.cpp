@@ -71,7 +71,7 @@ std::string refusal(const Value& value, const ProfileFile* file, const drive::De
 std::optional<IntegerRange> parse_element(const TomlValue& element, std::uint8_t registers) {
   constexpr std::int64_t kLast = 0xFFFF;
   if (const auto* first = std::get_if<std::int64_t>(&element.data)) {
-    return *first >= 0 && *first + registers - 1 <= kLast
+    return *first >= 0 && *first <= kLast + 1 - registers
                ? std::optional(IntegerRange{*first, *first + registers - 1})
                : std::nullopt;
   }

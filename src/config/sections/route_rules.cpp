@@ -136,6 +136,10 @@ bool same_client_addresses(const AddressWindow& a, const AddressWindow& b) {
 }
 
 void read_windows(TomlTable& table, Route& route, bool broadcast) {
+  if (const auto* list = table.list("registers"); list != nullptr && list->empty()) {
+    table.error("registers",
+                "an empty list is no window: leave the key out to let everything through");
+  }
   std::vector<TomlTable> places;
   for (auto& entry : table.tables("registers")) {
     route.functions = FunctionRules::rewritable();

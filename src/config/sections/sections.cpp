@@ -137,7 +137,9 @@ routing::ClientList read_clients(Draft& draft, TomlTable& table, std::string_vie
     const bool is_role = text.starts_with(kRole);
     const bool is_certificate = text.starts_with(kCertificate) && text != kCertificate;
     if ((is_role || is_certificate) && draft.settings.tls.empty()) {
-      table.error(key, in_quotes(text) + " is for clients with a certificate: there is no [[tls]]");
+      table.document().error(position,
+                             "{}: {} is for clients with a certificate: there is no [[tls]]", key,
+                             in_quotes(text));
     } else if (is_role) {
       clients.roles.push_back(text.substr(kRole.size()));
     } else if (is_certificate) {

@@ -7,6 +7,8 @@
 #undef TOML_HEADER_ONLY
 #define TOML_HEADER_ONLY 1
 #define TOML_EXCEPTIONS 0
+// Of lists and inline tables; each may hold dotted keys as long as a line. All of it is recursion.
+#define TOML_MAX_NESTED_VALUES 8
 // It takes two things for impossible that stand in wrong texts: a key that begins with no letter of
 // keys is asserted away two lines before it is reported as an error (3.3), and a letter such as
 // U+00E4 outside of strings reaches an "unreachable" in the question whether it is white space (3.3
@@ -36,8 +38,10 @@
 namespace mbgate::config {
 namespace {
 
-/// Bounds how deep dotted keys can nest; lists may span lines.
+/// Bounds how deep dotted keys can nest in one value.
 constexpr std::size_t kLongestLine = 4096;
+/// No key lies as deep: what does is wrong further up, and is not looked at.
+constexpr std::size_t kDeepest = 16;
 constexpr std::size_t kShownOfLongLine = 80;
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
@@ -50,7 +54,7 @@ struct Conversion {
   }
 
   [[nodiscard]] TomlTableValue table_of(const toml::table& table, const std::string& path,
-                                        bool in_array) const {
+                                        bool in_array, std::size_t depth) const {
     TomlTableValue converted;
     converted.position = position_of(table.source());
     if (!path.empty()) {
@@ -60,20 +64,24 @@ struct Conversion {
       const std::string name(key.str());
       std::string below = path;
       below.append(path.empty() ? "" : ".").append(name);
-      converted.entries.push_back({name, position_of(key.source()), value_of(value, below, false)});
+      converted.entries.push_back(
+          {name, position_of(key.source()), value_of(value, below, false, depth + 1)});
     }
     return converted;
   }
 
-  [[nodiscard]] TomlValue value_of(const toml::node& node, const std::string& path,
-                                   bool in_array) const {
+  [[nodiscard]] TomlValue value_of(const toml::node& node, const std::string& path, bool in_array,
+                                   std::size_t depth) const {
     TomlValue converted{position_of(node.source()), TomlOther{}};
+    if (depth > kDeepest) {
+      return converted;
+    }
     if (const auto* inner = node.as_table()) {
-      converted.data = table_of(*inner, path, in_array);
+      converted.data = table_of(*inner, path, in_array, depth);
     } else if (const auto* array = node.as_array()) {
       std::vector<TomlValue> elements;
       for (const auto& element : *array) {
-        elements.push_back(value_of(element, path, true));
+        elements.push_back(value_of(element, path, true, depth + 1));
       }
       converted.data = std::move(elements);
     } else if (const auto* string = node.as_string()) {
@@ -205,7 +213,7 @@ std::optional<TomlTableValue> TomlDocument::read_file(std::uint32_t number, std:
     report_syntax(conversion.position_of(result.error().source()), result.error().description());
     return std::nullopt;
   }
-  return conversion.table_of(result.table(), "", false);
+  return conversion.table_of(result.table(), "", false, 0);
 }
 
 }  // namespace mbgate::config

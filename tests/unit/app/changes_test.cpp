@@ -54,12 +54,16 @@ TEST(Changes, AreToldWithTheValuesOfPlainKeys) {
   next.buses[0].frame_gap = 3ms;
   next.devices[0].word_order = drive::WordOrder::little;
   next.devices[0].cache = 50ms;
-  EXPECT_THAT(changes(plant(), next),
-              ElementsAre("gateway: wake_early \"40us\" -> \"0s\"",
-                          "listener plant: keepalive_idle \"30s\" -> \"1m\"",
-                          "bus line-a: baud 19200 -> 115200, frame_gap - -> \"3ms\", "
-                          "parity \"even\" -> \"none\"",
-                          "device axis-x: word_order - -> \"little\", cache \"0s\" -> \"50ms\""));
+  next.devices[0].limits_values = true;
+  next.devices[0].profile.name = "moons-m3";
+  EXPECT_THAT(
+      changes(plant(), next),
+      ElementsAre("gateway: wake_early \"40us\" -> \"0s\"",
+                  "listener plant: keepalive_idle \"30s\" -> \"1m\"",
+                  "bus line-a: baud 19200 -> 115200, frame_gap - -> \"3ms\", "
+                  "parity \"even\" -> \"none\"",
+                  "device axis-x: profile \"generic\" -> \"moons-m3\", word_order - -> \"little\", "
+                  "write_echo \"value\" -> \"address\", cache \"0s\" -> \"50ms\""));
 }
 
 // Which drive an address meant before must be found afterwards.

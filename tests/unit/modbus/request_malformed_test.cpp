@@ -48,6 +48,17 @@ TEST(RequestMalformed, LengthsThatDoNotFitTheFunctionAreRefused) {
   }
 }
 
+TEST(RequestMalformed, FileRecordsAreWholeAndOfType6) {
+  for (const auto* hex :
+       {"14 07 05 00 04 00 01 00 02", "14 0E 06 00 04 00 01 00 02 07 00 04 00 01 00 02",
+        "15 0D 06 00 04 00 07 00 09 06 AF 04 BE 10 0D", "15 09 07 00 04 00 07 00 01 06 AF",
+        "15 0B 06 00 04 00 07 00 01 06 AF 04 BE"}) {
+    EXPECT_EQ(error_of(hex), illegal_data_value) << hex;
+  }
+  EXPECT_EQ(error_of("14 0E 06 00 04 00 01 00 02 06 00 04 00 01 00 02"), std::nullopt);
+  EXPECT_EQ(error_of("15 12 06 00 04 00 07 00 01 06 AF 06 00 05 00 07 00 01 04 BE"), std::nullopt);
+}
+
 TEST(RequestMalformed, FunctionsWithoutDataTakeNone) {
   for (const auto* hex : {"07 00", "0B 00", "0C 00", "11 00"}) {
     EXPECT_EQ(error_of(hex), illegal_data_value) << hex;

@@ -164,6 +164,11 @@ TEST_F(Broadcasts, SoIsItUnderWhateverUnit) {
   EXPECT_EQ(sent("05 000B FF00", 29), Texts{"128: 05 00 0B FF 00"});
 }
 
+TEST_F(Broadcasts, ToAllBusesOfAGatewayWithoutOneLeadNowhere) {
+  routes[0].buses.clear();
+  EXPECT_EQ(sent("06 0001 0001"), Texts{"no resolved"});
+}
+
 TEST_F(Broadcasts, WhoeverMayListenIsAsked) {
   // At address 0 a drive without a stated form may hear what is meant for another.
   devices = {moons(1, {}), moons(2, {})};
@@ -233,6 +238,21 @@ TEST_F(Broadcasts, AStopGoesInEveryFormThatCanCarryIt) {
   EXPECT_EQ(sent("05 000B FF00"), Texts{"129 OR 80: 05 00 0B FF 00"});
   devices[1].profile.communication = {{Table::holding_registers, 30, 1}};
   EXPECT_EQ(sent("06 001E 00E1"), Texts{kNotAllowed});
+}
+
+TEST_F(Broadcasts, TheParametersOfAStopAreInTheOrderOfTheDrives) {
+  devices = {moons(1, WordOrder::little)};
+  devices[0].profile.values = {};
+  devices[0].profile.values.add({Table::holding_registers, 101});
+  devices[0].profile.stops = {{Table::holding_registers, 100, 0xFFFF, 0, false, 2}};
+  routes = {broadcast_route(WordOrder::big)};
+  EXPECT_EQ(sent("10 0064 0003 06 0000 1111 2222"),
+            Texts{"0: 10 00 64 00 03 06 00 00 22 22 11 11"});
+  devices.push_back(devices[0]);
+  devices[1].address = 2;
+  devices[1].word_order = WordOrder::big;
+  EXPECT_EQ(sent("10 0064 0003 06 0000 1111 2222"), Texts{"0: 10 00 64 00 03 06 00 00 11 11 22 22"})
+      << "two orders, and it is never refused";
 }
 
 TEST_F(Broadcasts, WhatStopsOnlyADriveThatIsNotKnownToHearItIsNoStop) {

@@ -185,6 +185,7 @@ TEST(LimitsPlan, FunctionsThatTheDriveDoesNotHaveAreNotAllowed) {
   device.profile.input_as_holding = true;  // several of these are read by function 3
   device.profile.limits.read[3] = 1;
   EXPECT_EQ(Planned(device, "04 0000 0002").requests(), Texts{"03 00 00 00 02"});
+  EXPECT_EQ(Planned(device, "04 0000 0001").requests(), Texts{"03 00 00 00 01"});
 }
 
 TEST(LimitsPlan, CommunicationRegistersAreWrittenOnlyWhereTheUserAllowsIt) {

@@ -45,6 +45,9 @@ TEST(WordOrderPlan, AsksADriveForItsOrderBeforeValuesAreWrittenButNotBeforeAStop
             (Texts{"03 00 05 00 01", "10 00 09 00 03 06 00 E2 00 02 00 01"}));
   EXPECT_EQ(Planned(device, "10 0009 0003 06 00E1 0001 0002").requests(),
             Texts{"10 00 09 00 03 06 00 E1 00 02 00 01"});
+  EXPECT_EQ(Planned(device, "17 0004 0002 0001 0001 02 1234").requests(),
+            Texts{"17 00 04 00 02 00 01 00 01 02 12 34"})
+      << "it only reads a value";
 }
 
 TEST(WordOrderPlan, WidensAReadOfHalfAValueAndTrimsTheAnswer) {
@@ -134,6 +137,7 @@ TEST(WordOrderPlan, OpcodesWithAPositionOfUnstatedOrderAreRefused) {
   const auto device = opcode_drive({});
   EXPECT_EQ(Planned(device, "06 0064 0098").requests(), Texts{kIllegalValue});
   EXPECT_EQ(Planned(device, "10 0064 0003 06 00A5 0001 0002").requests(), Texts{kIllegalValue});
+  EXPECT_EQ(Planned(device, "16 0064 0000 0098").requests(), Texts{kIllegalValue});
   EXPECT_EQ(Planned(device, "06 0064 0096").requests(), Texts{"06 00 64 00 96"});
   EXPECT_EQ(Planned(device, "10 0065 0002 04 0001 0002").requests(),
             Texts{"10 00 65 00 02 04 00 01 00 02"});

@@ -156,6 +156,20 @@ TEST(TomlReader, RefusesLinesThatAreTooLong) {
             "x:2:1: error: the line is longer than 4096 bytes\nb" + std::string(79, '.') + "\n^\n");
 }
 
+// Lists go on over lines, and what is in them may have keys as long as a line.
+TEST(TomlReader, RefusesWhatIsNestedTooDeep) {
+  std::string text = "x = ";
+  std::string dotted = "[\n{ a";
+  for (int times = 0; times < 1900; ++times) {
+    dotted += ".a";
+  }
+  for (int times = 0; times < 8; ++times) {
+    text += dotted + " = ";
+  }
+  auto document = parse(text + "1");
+  EXPECT_FALSE(document.parsed());
+}
+
 TEST(TomlReader, RefusesFilesThatAreTooLarge) {
   auto document = parse(std::string(1024 * 1024 + 1, '\n'));
   EXPECT_FALSE(document.parsed());
