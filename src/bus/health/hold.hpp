@@ -131,11 +131,9 @@ class Hold {
     bool is_probe = false;         ///< its response timeout is short
     bool is_slow = false;          ///< it reads or writes slow registers
   };
-  /// No answer came to it.
-  void note_unanswered(const Sent& sent) { add(sent, false); }
-  /// A frame came in its place that is no answer, or is damaged. Its answer may still come until
-  /// the response timeout is over.
-  void note_unreadable(const Sent& sent) { add(sent, true); }
+  /// No answer came to it. `is_unreadable`: a frame came in its place that is no answer, or is
+  /// damaged; its answer may still come until the response timeout is over.
+  void note_unanswered(const Sent& sent, bool is_unreadable = false);
   /// The line has no echo: whatever may have been an echo was the answer.
   void note_no_echo() { std::erase_if(unanswered_, std::mem_fn(&Unanswered::may_be_answered)); }
   /// A good frame of it came, though it answers nothing.
@@ -220,7 +218,6 @@ class Hold {
     Duration suspected{0};
   };
 
-  void add(const Sent& sent, bool is_unreadable);
   void close(std::vector<Unanswered>::iterator answered, Instant now, const Timing& timing);
   void settle(Instant now, const Timing& timing, bool was_held = false);
   void note_tail(const Unanswered& ended, bool was_answered, Instant now, const Timing& timing);

@@ -216,7 +216,7 @@ void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, In
 void Outcomes::handle_unreadable(Transmission& transmission, const LineEnd& end, Instant now) {
   const Transaction& sent = transmission.on_wire();
   DeviceEntry& entry = parts_.devices[sent.address];
-  entry.hold.note_unreadable(sent_of(transmission, *entry.device, end.due));
+  entry.hold.note_unanswered(sent_of(transmission, *entry.device, end.due), true);
   if (end.how == LineEnd::How::damaged) {
     ++parts_.counters.bad_crcs;
     ++entry.counters.bad_crcs;

@@ -81,7 +81,7 @@ TEST_F(Health, ADeviceOfWhichOnlyTheSecondTryWasEverAnsweredIsHeldForAllFunction
 
 // Nor does a damaged answer show that it is slow.
 TEST_F(Health, OneWhoseFirstAnswerWasDamagedIsFast) {
-  hold_.note_unreadable({read_, at(900ms), at(1s)});
+  hold_.note_unanswered({read_, at(900ms), at(1s)}, true);
   answered(read_, kAnswer, 1050ms, 8ms);
   EXPECT_TRUE(may_be_asked(write_, 1050ms));
 }
@@ -124,6 +124,22 @@ TEST_F(Health, TailsBeforeItWasLeftAloneDoNotCountForTheNextTime) {
   unanswered(read_, 15min);
   asked(15min + 1s);
   EXPECT_TRUE(may_be_asked(15min + 1s));
+}
+
+// The hold after an earlier answer has ended; what comes at the last instant of the tail came in
+// it.
+TEST_F(Health, AnAnswerAtTheVeryEndOfATailIsThatOfTheFirstTry) {
+  const auto write = request("10 0000 0001 02 0001");
+  const auto stop = request("10 0000 0001 02 00E1");
+  const auto done = unhex("10 0000 0001");
+  unanswered(write, 100ms);
+  hold_.note_asked(&stop, at(100ms), timing_, false);
+  EXPECT_TRUE(late(done, 100ms));
+  unanswered(stop, 200ms);
+  hold_.note_asked(&stop, at(220ms), timing_, false);
+  hold_.note_answered({stop, at(220ms), at(320ms), true}, done, 100ms, at(320ms), timing_);
+  EXPECT_FALSE(may_be_asked(321ms));
+  EXPECT_EQ(owed(write), 1U);
 }
 
 }  // namespace
