@@ -87,9 +87,9 @@ class LineDiscipline {
     return std::visit([](auto& line) { return line.take_fault(); }, line_);
   }
   /// Never on a connection.
-  [[nodiscard]] bool hears_itself() const {
+  [[nodiscard]] NoticedEcho noticed_echo() const {
     const auto* serial = std::get_if<SerialDiscipline>(&line_);
-    return serial != nullptr && serial->hears_itself();
+    return serial == nullptr ? NoticedEcho::none : serial->noticed_echo();
   }
   [[nodiscard]] LineState state(Instant now) const {
     return std::visit([&](const auto& line) { return line.state(now); }, line_);

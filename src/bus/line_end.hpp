@@ -62,6 +62,14 @@ struct LineEnd {
   bool shows_no_echo = false;  ///< a response that shows it: what may have been an echo was none
 };
 
+/// What was noticed of an echo that the settings say nothing of, or deny.
+enum class NoticedEcho : std::uint8_t {
+  none,
+  unproven,  ///< a write came back unchanged, and that may be an echo
+  found,
+  denied  ///< found, and the settings say that there is none
+};
+
 enum class LineFault : std::uint8_t {
   echo_differed,  ///< the echo of an own transmission differs from it
   framing_lost,   ///< it cannot be known any more where the next frame begins

@@ -93,7 +93,7 @@ void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end, Instant n
       }
       break;
     case LineEnd::How::no_response:
-      if (end.heard >= kLeastHeard && !heard_frame) {
+      if (end.heard >= kLeastHeard && !heard_frame && !end.may_be_echo) {
         quality.note_unreadable(end.heard_after, quality_.unasked());
       } else {
         quality.note_silent();
@@ -226,7 +226,7 @@ bool LineDiagnosis::note_second_answer(const UnsolicitedFrame& unsolicited) {
   }
   entry.second_at = now;
   const bool is_read = modbus::is_read(unsolicited.pdu.bytes());
-  entry.second_read_at = parts_.line.hears_itself() && is_read ? now : entry.second_read_at;
+  entry.second_read_at = echo() == NoticedEcho::found && is_read ? now : entry.second_read_at;
   const bool is_sure = entry.hold.seconds() >= kSure ||
                        now >= parts_.link.opened_at() + entry.in_force().quarantine_max;
   if (is_sure && !std::exchange(entry.second_reported, true)) {

@@ -112,12 +112,6 @@ struct Asked {
 /// Around the silences that the specification asks for, and beyond.
 extern const std::array<Duration, 16> kSilenceBounds;
 
-enum class NoticedEcho : std::uint8_t {
-  none,
-  found,  ///< the settings say nothing of it
-  denied  ///< the settings say that there is none
-};
-
 class LineDiagnosis {
  public:
   explicit LineDiagnosis(Parts& parts) : parts_(parts) {}
@@ -157,11 +151,8 @@ class LineDiagnosis {
   [[nodiscard]] Instant last_foreign_request() const { return last_foreign_request_; }
   /// When the line was last without silence for too long; Instant::min(): never.
   [[nodiscard]] Instant last_never_silent() const { return last_never_silent_; }
-  /// An echo that was found, though the settings do not say that there is one.
   [[nodiscard]] NoticedEcho echo() const {
-    return parts_.line.hears_itself() ? NoticedEcho::found
-           : denied_echo_.is_found()  ? NoticedEcho::denied
-                                      : NoticedEcho::none;
+    return denied_echo_.is_found() ? NoticedEcho::denied : parts_.line.noticed_echo();
   }
 
  private:

@@ -70,8 +70,7 @@ class SerialDiscipline {
   /// A good frame that answers nothing that was asked, each once.
   std::optional<UnsolicitedFrame> take_unsolicited();
   [[nodiscard]] LineState state(Instant now) const;
-  /// Was it found, where the settings do not say, that the line has an echo?
-  [[nodiscard]] bool hears_itself() const { return echo_.is_learned() && echo_.is_present(); }
+  [[nodiscard]] NoticedEcho noticed_echo() const { return echo_.noticed(); }
 
  private:
   void judge_held(const Echo::Held& held, Instant now);

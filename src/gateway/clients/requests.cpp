@@ -65,14 +65,14 @@ void Requests::accept(ClientSession& session, Request& request, Instant now) {
   }
   ++session.requests;
   ListenerCounters& counters = sessions_.counters(session.info().listener);
-  ++counters.requests;
+  counters.note_request();
   replace_unanswered(session);
   if (request.for_gateway) {
     answer_at_once(session, request, answer_of_gateway(session, request, now), now);
   } else if (request.refused) {
     const auto answer = modbus::Pdu::exception(request.adu.pdu.function(), *request.refused);
     ++session.refused;
-    counters.note_refused(modbus::is_read(request.adu.pdu.bytes()), code_of(answer));
+    counters.note_refused(modbus::is_read(request.adu.pdu.bytes()), code_of(answer), now);
     answer_at_once(session, request, answer, now);
   } else {
     begin(session, request, now);
@@ -277,7 +277,7 @@ void Requests::complete(std::uint32_t index, Instant now) {
     if (exchange.failed) {
       ++session->refused;
       sessions_.counters(exchange.listener)
-          .note_refused(exchange.plan->is_read(), code_of(adu->pdu));
+          .note_refused(exchange.plan->is_read(), code_of(adu->pdu), now);
     }
     std::optional<DueAnswers::Answer> answer;
     if (adu && !exchange.is_replaced) {

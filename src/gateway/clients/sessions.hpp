@@ -18,6 +18,7 @@
 #include "gateway/client.hpp"
 #include "gateway/clients/client_session.hpp"
 #include "gateway/event.hpp"
+#include "modbus/codes.hpp"
 
 namespace mbgate::gateway {
 
@@ -26,6 +27,33 @@ namespace mbgate::gateway {
 /// The reasons for metrics and status, by RefusalReason.
 inline constexpr std::array kRefusalNames = {"not_allowed", "full",         "stopping",
                                              "no_rule",     "address_full", "too_often"};
+
+/// Of about the last thousand requests, those to which the gateway itself answered 06, 0A or 0B.
+struct RecentFailures {
+  static constexpr unsigned kMost = 1000;
+
+  void note_request() {
+    if (++requests == kMost) {
+      requests /= 2;
+      failures /= 2;
+    }
+  }
+  void note(std::uint8_t exception, Instant now) {
+    using enum modbus::ExceptionCode;
+    const auto code = static_cast<modbus::ExceptionCode>(exception);
+    if (code == server_device_busy || code == gateway_path_unavailable ||
+        code == gateway_target_failed_to_respond) {
+      ++failures;
+      last = exception;
+      failed_at = now;
+    }
+  }
+
+  unsigned requests = 0;
+  unsigned failures = 0;
+  std::uint8_t last = 0;  ///< its exception
+  Instant failed_at = Instant::min();
+};
 
 struct ListenerCounters {
   std::uint64_t connections = 0;  ///< let in
@@ -41,8 +69,15 @@ struct ListenerCounters {
   /// Connections that were not let in, by RefusalReason.
   std::array<std::uint64_t, kRefusalNames.size()> refused_connections{};
 
-  void note_refused(bool is_read, std::uint8_t code) {
+  RecentFailures recent;
+
+  void note_request() {
+    ++requests;
+    recent.note_request();
+  }
+  void note_refused(bool is_read, std::uint8_t code, Instant now) {
     (is_read ? refused_reads : refused_writes).note(code);
+    recent.note(code, now);
   }
   void note_displaced(RefusalReason limit) {
     ++(limit == RefusalReason::full ? displaced_full : displaced_address_full);

@@ -147,8 +147,7 @@ Diagnosis of_failed_stop(const StatusReport& report, const DeviceStatus& device)
 
 // Is it that of the device, and not of its line?
 bool is_silence_its_own(const BusStatus& bus, const Together& all) {
-  return (bus.is_open || bus.is_reopening) && !all.is_dead() &&
-         bus.echo != bus::NoticedEcho::denied;
+  return (bus.is_open || bus.is_reopening) && !all.is_dead() && !hides_answers(bus.echo);
 }
 
 bool is_tried(const DeviceStatus& device) {
@@ -190,6 +189,26 @@ Devices tried_on(const StatusReport& report, std::size_t bus) {
   return tried;
 }
 
+// Not all is well where more than one request in a hundred fails, whatever the reason.
+void diagnose_failures(const StatusReport& report, std::vector<Diagnosis>& found) {
+  constexpr unsigned kLeast = 5;
+  constexpr unsigned kPercent = 100;
+  constexpr auto kJustNow = std::chrono::minutes(1);
+  for (const ListenerStatus& listener : report.listeners) {
+    const RecentFailures& recent = listener.counters.recent;
+    if (!listener.last_failure || *listener.last_failure >= kJustNow || recent.failures < kLeast ||
+        recent.failures * kPercent <= recent.requests) {
+      continue;
+    }
+    found.push_back({Rank::bad_answers, "listener " + listener.name,
+                     fmt::format("{} % of its requests fail",
+                                 std::min(recent.failures * kPercent / recent.requests, kPercent)),
+                     fmt::format("{} of the last {}; the last one got {}", recent.failures,
+                                 recent.requests, modbus::exception_text(recent.last)),
+                     "TIMEOUTS of the devices; the journal says what was refused, and why"});
+  }
+}
+
 }  // namespace
 
 std::vector<Diagnosis> diagnose(const StatusReport& report) {
@@ -206,6 +225,9 @@ std::vector<Diagnosis> diagnose(const StatusReport& report) {
     if (is_silence_its_own(report.buses[place], all[place])) {
       diagnose_tried(report, tried_on(report, place), all[place], found);
     }
+  }
+  if (found.empty()) {
+    diagnose_failures(report, found);
   }
   std::ranges::stable_sort(found, {}, &Diagnosis::rank);
   return found;

@@ -23,6 +23,11 @@ std::string milliseconds_text(bus::Duration duration);
 std::string subject_of(const BusStatus& bus);
 std::string subject_of(const StatusReport& report, const DeviceStatus& device);
 
+/// May that be why no device seems to answer?
+[[nodiscard]] constexpr bool hides_answers(bus::NoticedEcho echo) {
+  return echo == bus::NoticedEcho::denied || echo == bus::NoticedEcho::unproven;
+}
+
 /// Did it happen in the last ten minutes? What happened earlier is no longer reported.
 [[nodiscard]] bool is_lately(const std::optional<Duration>& ago);
 

@@ -130,7 +130,7 @@ void diagnose_bus(const BusStatus& bus, const Together& all, std::vector<Diagnos
              "bytes came without the silence that a request needs before it, the last {} ago",
              passed_text(*bus.last_never_silent)),
          "another client on this line, baud rate, termination or bias"});
-  } else if (all.is_dead() && bus.echo != bus::NoticedEcho::denied) {
+  } else if (all.is_dead() && !hides_answers(bus.echo)) {
     found.push_back(of_dead_bus(bus, all));
   }
   if (bus.echo == bus::NoticedEcho::denied) {
@@ -145,6 +145,12 @@ void diagnose_bus(const BusStatus& bus, const Together& all, std::vector<Diagnos
   if (is_bad(bus.quality)) {
     found.push_back(quality_finding(bus.quality, true));
     found.back().subject = subject_of(bus);
+  }
+  if (bus.echo == bus::NoticedEcho::unproven) {
+    found.push_back({Rank::bad_answers, subject_of(bus),
+                     "it is not known whether the adapter receives what it sends",
+                     "a write came back unchanged, which acknowledges nothing: such writes get 0B",
+                     "set `echo = false`, or `echo = true` if it does; or read from the drive"});
   }
   diagnose_load(bus, all, found);
   if (bus.echo == bus::NoticedEcho::found) {

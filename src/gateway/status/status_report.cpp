@@ -159,8 +159,9 @@ StatusReport make_status_report(const StatusSources& sources, Duration uptime, I
   for (std::size_t number = 0; number < settings.listeners.size(); ++number) {
     const auto listener = static_cast<ListenerId>(number);
     if (!settings.listener(listener).is_gone) {
+      const ListenerCounters& counters = sources.sessions.counters(listener);
       report.listeners.push_back({settings.listener(listener).name, sources.sessions.on(listener),
-                                  sources.sessions.counters(listener)});
+                                  counters, since(counters.recent.failed_at, now)});
     }
   }
   if (with_clients) {
