@@ -90,7 +90,6 @@ TlsClient::Step TlsClient::note(Step step) {
   if (step == Step::flooded) {
     complaint_ = sys::TlsStream::kFlood;
   } else if (step == Step::broken && ERR_peek_error() != 0) {
-    context_->forget_session_of(&stream_.ssl());
     complaint_ = sys::take_openssl_error();
     if (const long result = SSL_get_verify_result(&stream_.ssl()); result != X509_V_OK) {
       complaint_ += std::string(": ") + X509_verify_cert_error_string(result);
