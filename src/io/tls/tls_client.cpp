@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/asio/experimental/awaitable_operators.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <cerrno>
@@ -15,6 +16,7 @@
 namespace mbgate::io {
 namespace {
 
+using namespace boost::asio::experimental::awaitable_operators;
 using boost::asio::ip::tcp;
 using boost::system::error_code;
 using PairSocket = boost::asio::local::stream_protocol::socket;
@@ -35,8 +37,7 @@ TlsClient::TlsClient(TlsClientContext& shared, std::uint64_t key,
       socket_(std::move(socket)),
       stream_(context_->new_ssl(), socket_.native_handle()),
       pair_(shared.io),
-      timer_(shared.io),
-      down_over_(shared.io) {
+      timer_(shared.io) {
   SSL_set_accept_state(&stream_.ssl());
 }
 
@@ -55,29 +56,11 @@ sys::UniqueFd TlsClient::make_pair() {
   return shared_.closings.watch(ends[0], key_, false) ? std::move(theirs) : sys::UniqueFd();
 }
 
-void TlsClient::linger() {
-  timer_.expires_after(kLinger);
-  timer_.async_wait([weak = weak_from_this()](const error_code& error) {
-    if (const auto client = weak.lock(); client && !error) {
-      client->end();
-    }
-  });
-}
+void TlsClient::linger() { end_at(boost::asio::steady_timer::clock_type::now() + kLinger); }
 
 boost::asio::awaitable<void> TlsClient::carry(std::shared_ptr<TlsClient> self) {
-  self->down_over_.expires_at(boost::asio::steady_timer::time_point::max());
-  supervise(self->shared_.io, run_down(self), "TLS to a client");
-  co_await carry_up(self);
-  while (!self->is_down_over_) {
-    co_await self->down_over_.async_wait(kAsTuple);
-  }
+  co_await (carry_up(self) && carry_down(self));
   self->end();
-}
-
-boost::asio::awaitable<void> TlsClient::run_down(std::shared_ptr<TlsClient> self) {
-  co_await carry_down(self);
-  self->is_down_over_ = true;
-  self->down_over_.cancel();
 }
 
 boost::asio::awaitable<void> TlsClient::carry_up(std::shared_ptr<TlsClient> self) {
@@ -217,6 +200,15 @@ boost::asio::awaitable<void> TlsClient::say_goodbye(std::shared_ptr<TlsClient> s
   if (has_client_ended) {
     self->end();
   }
+}
+
+void TlsClient::end_at(boost::asio::steady_timer::time_point when, const char* why) {
+  timer_.expires_at(when);
+  timer_.async_wait([weak = weak_from_this(), why](const error_code& error) {
+    if (const auto client = weak.lock(); client && !error) {
+      client->end(why);
+    }
+  });
 }
 
 void TlsClient::end(const std::string& why) {

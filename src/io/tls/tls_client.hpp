@@ -69,15 +69,14 @@ class TlsClient : public std::enable_shared_from_this<TlsClient> {
   using Step = sys::TlsStream::Step;
 
   static boost::asio::awaitable<void> carry_up(std::shared_ptr<TlsClient> self);
-  static boost::asio::awaitable<void> run_down(std::shared_ptr<TlsClient> self);
   static boost::asio::awaitable<void> carry_down(std::shared_ptr<TlsClient> self);
   static boost::asio::awaitable<bool> write_down(std::shared_ptr<TlsClient> self,
                                                  std::span<const std::uint8_t> bytes);
   static boost::asio::awaitable<void> say_goodbye(std::shared_ptr<TlsClient> self);
   boost::asio::awaitable<bool> wait_for(Step step);
   boost::asio::awaitable<bool> wait_for_room();
-  /// Ends the handshake then.
-  void limit_handshake(boost::asio::steady_timer::time_point until, const char* why);
+  /// Ends then, unless the timer is set again. `why`: as of end().
+  void end_at(boost::asio::steady_timer::time_point when, const char* why = "");
   /// All of its ClientHello, of which pieces do not count.
   [[nodiscard]] bool has_hello() const;
   /// Remembers what there is to complain of.
@@ -96,8 +95,6 @@ class TlsClient : public std::enable_shared_from_this<TlsClient> {
   std::string complaint_;
   bool has_greeted_ = false;
   bool is_down_ended_ = false;  ///< the machine has said all
-  bool is_down_over_ = false;   ///< nothing is carried to the client any more
-  boost::asio::steady_timer down_over_;
 };
 
 }  // namespace mbgate::io

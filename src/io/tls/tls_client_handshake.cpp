@@ -29,15 +29,15 @@ boost::asio::awaitable<std::optional<std::string>> TlsClient::shake_hands(
     std::function<void()> greeted) {
   const auto begin = boost::asio::steady_timer::clock_type::now();
   if (limits.hello < limits.timeout) {
-    self->limit_handshake(begin + limits.hello, "no ClientHello came in time (hello_timeout)");
+    self->end_at(begin + limits.hello, "no ClientHello came in time (hello_timeout)");
   } else {
-    self->limit_handshake(begin + limits.timeout, kTookTooLong);
+    self->end_at(begin + limits.timeout, kTookTooLong);
   }
   while (self->socket_.is_open()) {
     const Step step = self->note(self->stream_.shake_hands());
     if (!self->has_greeted_ && self->has_hello()) {
       self->has_greeted_ = true;
-      self->limit_handshake(begin + limits.timeout, kTookTooLong);
+      self->end_at(begin + limits.timeout, kTookTooLong);
       greeted();
     }
     if (step == Step::done) {
@@ -52,15 +52,6 @@ boost::asio::awaitable<std::optional<std::string>> TlsClient::shake_hands(
   co_return self->complaint_.empty() ? std::string("the client has gone") : self->complaint_;
 }
 
-void TlsClient::limit_handshake(boost::asio::steady_timer::time_point until, const char* why) {
-  timer_.expires_at(until);
-  timer_.async_wait([weak = weak_from_this(), why](const error_code& error) {
-    if (const auto client = weak.lock(); client && !error) {
-      client->end(why);
-    }
-  });
-}
-
 bool TlsClient::has_hello() const {
   const OSSL_HANDSHAKE_STATE state = SSL_get_state(&stream_.ssl());
   return state != TLS_ST_BEFORE && state != TLS_ST_SR_CLNT_HELLO;
@@ -69,12 +60,7 @@ bool TlsClient::has_hello() const {
 boost::asio::awaitable<void> TlsClient::drain_and_end(std::shared_ptr<TlsClient> self) {
   error_code ignored;
   self->socket_.shutdown(tcp::socket::shutdown_send, ignored);
-  self->timer_.expires_after(kAlertLimit);
-  self->timer_.async_wait([weak = self->weak_from_this()](const error_code& error) {
-    if (const auto client = weak.lock(); client && !error) {
-      client->end();
-    }
-  });
+  self->end_at(boost::asio::steady_timer::clock_type::now() + kAlertLimit);
   std::array<std::uint8_t, kDroppedAtOnce> bytes{};
   ssize_t count = 1;
   while (count != 0 && self->socket_.is_open() && co_await self->wait_for(Step::read_more)) {
