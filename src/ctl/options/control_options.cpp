@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Subcommands that ask a running mbgated.
-#include <arpa/inet.h>
-
 #include <CLI/CLI.hpp>
-#include <array>
 #include <fmt/core.h>
 #include <memory>
 
 #include "ctl/options/subcommands.hpp"
 #include "ctl/request/value_text.hpp"
 #include "modbus/codes.hpp"
+#include "routing/client_address.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -29,15 +27,9 @@ struct TraceWords {
   std::string function;
 };
 
-bool is_ip_address(const std::string& text) {
-  std::array<unsigned char, sizeof(in6_addr)> octets{};
-  return ::inet_pton(AF_INET, text.c_str(), octets.data()) == 1 ||
-         ::inet_pton(AF_INET6, text.c_str(), octets.data()) == 1;
-}
-
 TraceCommand trace_of(const TraceWords& words) {
   TraceCommand trace = words.command;
-  if (!trace.filter.client.empty() && !is_ip_address(trace.filter.client)) {
+  if (!trace.filter.client.empty() && !routing::ClientAddress::parse(trace.filter.client)) {
     throw WrongUsage(fmt::format(
         "--client \"{}\" is not an IP address, like 192.168.10.5 or fd00::5", trace.filter.client));
   }
@@ -64,9 +56,7 @@ void add_status(CLI::App& app, const Choose& choose) {
   auto* watch = status->add_flag(
       "--watch", words->watch,
       "show it again and again, on a terminal in place, until q is typed or it is interrupted");
-  status->add_option("--every", words->every, "with --watch: at this interval")
-      ->needs(watch)
-      ->capture_default_str();
+  status->add_option("--every", words->every, "with --watch: at this interval")->needs(watch);
   status->add_option("--times", words->command.times, "with --watch: end after this many times")
       ->needs(watch)
       ->check(CLI::Range(1U, kMost));
