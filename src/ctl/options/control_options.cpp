@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Subcommands that ask a running mbgated.
+#include <arpa/inet.h>
+
 #include <CLI/CLI.hpp>
+#include <array>
 #include <fmt/core.h>
 #include <memory>
 
 #include "ctl/options/subcommands.hpp"
 #include "ctl/request/value_text.hpp"
 #include "modbus/codes.hpp"
-#include "routing/client_address.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -27,9 +29,15 @@ struct TraceWords {
   std::string function;
 };
 
+bool is_ip_address(const std::string& text) {
+  std::array<unsigned char, sizeof(in6_addr)> octets{};
+  return ::inet_pton(AF_INET, text.c_str(), octets.data()) == 1 ||
+         ::inet_pton(AF_INET6, text.c_str(), octets.data()) == 1;
+}
+
 TraceCommand trace_of(const TraceWords& words) {
   TraceCommand trace = words.command;
-  if (!trace.filter.client.empty() && !routing::ClientAddress::parse(trace.filter.client)) {
+  if (!trace.filter.client.empty() && !is_ip_address(trace.filter.client)) {
     throw WrongUsage(fmt::format(
         "--client \"{}\" is not an IP address, like 192.168.10.5 or fd00::5", trace.filter.client));
   }
