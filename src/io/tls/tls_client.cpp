@@ -58,35 +58,34 @@ sys::UniqueFd TlsClient::make_pair() {
 
 void TlsClient::linger() { end_at(boost::asio::steady_timer::clock_type::now() + kLinger); }
 
-boost::asio::awaitable<void> TlsClient::carry(std::shared_ptr<TlsClient> self) {
-  co_await (carry_up(self) && carry_down(self));
-  self->end();
+boost::asio::awaitable<void> TlsClient::carry() {
+  co_await (carry_up() && carry_down());
+  end();
 }
 
-boost::asio::awaitable<void> TlsClient::carry_up(std::shared_ptr<TlsClient> self) {
-  while (self->socket_.is_open()) {
-    self->shared_.look_for_stall();
-    const Step step = self->read_up();
-    if (!self->hand_up()) {
-      if (!co_await self->wait_for_room()) {
+boost::asio::awaitable<void> TlsClient::carry_up() {
+  while (socket_.is_open()) {
+    shared_.look_for_stall();
+    const Step step = read_up();
+    if (!hand_up()) {
+      if (!co_await wait_for_room()) {
         co_return;
       }
       continue;
     }
     if (step == Step::broken || step == Step::flooded) {
-      self->end();
+      end();
     } else if (step == Step::closed) {
       error_code ignored;
-      self->pair_.shutdown(PairSocket::shutdown_send, ignored);
+      pair_.shutdown(PairSocket::shutdown_send, ignored);
       // A reset after it is to be noticed still.
-      if (self->is_down_ended_ ||
-          !self->shared_.hangups.watch(self->socket_.native_handle(), self->key_, false)) {
-        self->end();
+      if (is_down_ended_ || !shared_.hangups.watch(socket_.native_handle(), key_, false)) {
+        end();
       }
       co_return;
     } else if (step == Step::done) {
-      co_await boost::asio::post(self->shared_.io, boost::asio::use_awaitable);  // others go on
-    } else if (!co_await self->wait_for(step)) {
+      co_await boost::asio::post(shared_.io, boost::asio::use_awaitable);  // others go on
+    } else if (!co_await wait_for(step)) {
       co_return;
     }
   }
@@ -146,59 +145,56 @@ std::size_t TlsClient::drain() {
   return drained;
 }
 
-boost::asio::awaitable<void> TlsClient::carry_down(std::shared_ptr<TlsClient> self) {
+boost::asio::awaitable<void> TlsClient::carry_down() {
   std::array<std::uint8_t, kCarriedAtOnce> bytes{};
-  while (self->socket_.is_open()) {
-    const ssize_t count =
-        ::recv(self->pair_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+  while (socket_.is_open()) {
+    const ssize_t count = ::recv(pair_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT);
     if (count > 0) {
       const auto some = std::span<const std::uint8_t>(bytes).first(static_cast<std::size_t>(count));
-      if (!co_await write_down(self, some)) {
-        self->end();
+      if (!co_await write_down(some)) {
+        end();
       }
     } else if (count < 0 && (errno == EAGAIN || errno == EINTR)) {
-      const auto [error] = co_await self->pair_.async_wait(PairSocket::wait_read, kAsTuple);
+      const auto [error] = co_await pair_.async_wait(PairSocket::wait_read, kAsTuple);
       if (error) {
         co_return;
       }
     } else {
-      co_await say_goodbye(self);
+      co_await say_goodbye();
       co_return;
     }
   }
 }
 
 /// False: the connection is broken.
-boost::asio::awaitable<bool> TlsClient::write_down(std::shared_ptr<TlsClient> self,
-                                                   std::span<const std::uint8_t> bytes) {
-  while (!bytes.empty() && self->socket_.is_open()) {
+boost::asio::awaitable<bool> TlsClient::write_down(std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty() && socket_.is_open()) {
     std::size_t count = 0;
-    const Step step = self->note(self->stream_.write(bytes, count));
+    const Step step = note(stream_.write(bytes, count));
     if (step == Step::done) {
       bytes = bytes.subspan(count);
-    } else if (sys::is_over(step) || !co_await self->wait_for(step)) {
+    } else if (sys::is_over(step) || !co_await wait_for(step)) {
       co_return false;
     }
   }
-  co_return self->socket_.is_open();
+  co_return socket_.is_open();
 }
 
 // The machine may take its last answers for sent once the kernel has all of them, and a FIN.
-boost::asio::awaitable<void> TlsClient::say_goodbye(std::shared_ptr<TlsClient> self) {
-  while (self->socket_.is_open()) {
-    const Step step = self->note(self->stream_.say_goodbye());
-    if (step != Step::write_more || !co_await self->wait_for(step)) {
+boost::asio::awaitable<void> TlsClient::say_goodbye() {
+  while (socket_.is_open()) {
+    const Step step = note(stream_.say_goodbye());
+    if (step != Step::write_more || !co_await wait_for(step)) {
       break;
     }
   }
   error_code ignored;
-  self->is_down_ended_ = true;
-  const bool has_client_ended =
-      (SSL_get_shutdown(&self->stream_.ssl()) & SSL_RECEIVED_SHUTDOWN) != 0;
-  self->socket_.shutdown(tcp::socket::shutdown_send, ignored);
-  self->pair_.shutdown(PairSocket::shutdown_send, ignored);  // with the machine's FIN it lingers
+  is_down_ended_ = true;
+  const bool has_client_ended = (SSL_get_shutdown(&stream_.ssl()) & SSL_RECEIVED_SHUTDOWN) != 0;
+  socket_.shutdown(tcp::socket::shutdown_send, ignored);
+  pair_.shutdown(PairSocket::shutdown_send, ignored);  // with the machine's FIN it lingers
   if (has_client_ended) {
-    self->end();
+    end();
   }
 }
 

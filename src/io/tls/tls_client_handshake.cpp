@@ -25,31 +25,30 @@ constexpr const char* kTookTooLong = "it took too long (handshake_timeout)";
 }  // namespace
 
 boost::asio::awaitable<std::optional<std::string>> TlsClient::shake_hands(
-    std::shared_ptr<TlsClient> self, gateway::HandshakeSettings limits,
-    std::function<void()> greeted) {
+    gateway::HandshakeSettings limits, std::function<void()> greeted) {
   const auto begin = boost::asio::steady_timer::clock_type::now();
   if (limits.hello < limits.timeout) {
-    self->end_at(begin + limits.hello, "no ClientHello came in time (hello_timeout)");
+    end_at(begin + limits.hello, "no ClientHello came in time (hello_timeout)");
   } else {
-    self->end_at(begin + limits.timeout, kTookTooLong);
+    end_at(begin + limits.timeout, kTookTooLong);
   }
-  while (self->socket_.is_open()) {
-    const Step step = self->note(self->stream_.shake_hands());
-    if (!self->has_greeted_ && self->has_hello()) {
-      self->has_greeted_ = true;
-      self->end_at(begin + limits.timeout, kTookTooLong);
+  while (socket_.is_open()) {
+    const Step step = note(stream_.shake_hands());
+    if (!has_greeted_ && has_hello()) {
+      has_greeted_ = true;
+      end_at(begin + limits.timeout, kTookTooLong);
       greeted();
     }
     if (step == Step::done) {
-      SSL_certs_clear(&self->stream_.ssl());
-      self->timer_.cancel();
+      SSL_certs_clear(&stream_.ssl());
+      timer_.cancel();
       co_return std::nullopt;
     }
-    if (sys::is_over(step) || !co_await self->wait_for(step)) {
+    if (sys::is_over(step) || !co_await wait_for(step)) {
       break;
     }
   }
-  co_return self->complaint_.empty() ? std::string("the client has gone") : self->complaint_;
+  co_return complaint_.empty() ? std::string("the client has gone") : complaint_;
 }
 
 bool TlsClient::has_hello() const {
@@ -57,19 +56,19 @@ bool TlsClient::has_hello() const {
   return state != TLS_ST_BEFORE && state != TLS_ST_SR_CLNT_HELLO;
 }
 
-boost::asio::awaitable<void> TlsClient::drain_and_end(std::shared_ptr<TlsClient> self) {
+boost::asio::awaitable<void> TlsClient::drain_and_end() {
   error_code ignored;
-  self->socket_.shutdown(tcp::socket::shutdown_send, ignored);
-  self->end_at(boost::asio::steady_timer::clock_type::now() + kAlertLimit);
+  socket_.shutdown(tcp::socket::shutdown_send, ignored);
+  end_at(boost::asio::steady_timer::clock_type::now() + kAlertLimit);
   std::array<std::uint8_t, kDroppedAtOnce> bytes{};
   ssize_t count = 1;
-  while (count != 0 && self->socket_.is_open() && co_await self->wait_for(Step::read_more)) {
-    count = ::recv(self->socket_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+  while (count != 0 && socket_.is_open() && co_await wait_for(Step::read_more)) {
+    count = ::recv(socket_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT);
     if (count < 0 && errno != EAGAIN && errno != EINTR) {
       break;
     }
   }
-  self->end();
+  end();
 }
 
 TlsClient::Step TlsClient::note(Step step) {

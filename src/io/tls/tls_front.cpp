@@ -101,13 +101,13 @@ boost::asio::awaitable<void> TlsFront::serve(std::uint64_t key, gateway::Handsha
   const std::function<void()> greeted = [this, place = entry.place] {
     tell([place](TlsEvents& events) { events.tls_greeted(place); });
   };
-  const auto failure = co_await TlsClient::shake_hands(client, limits, greeted);
+  const auto failure = co_await client->shake_hands(limits, greeted);
   look_for_stall();
   if (failure) {
-    co_await TlsClient::drain_and_end(client);  // it still counts among those that shake hands
+    co_await client->drain_and_end();  // it still counts among those that shake hands
     refuse(entry.place, "no TLS handshake: " + *failure);
   } else if (hand_over(entry)) {
-    co_await TlsClient::carry(client);
+    co_await client->carry();
     if (!client->complaint().empty()) {
       refuse(entry.place, "its TLS was ended: " + client->complaint());
     }
