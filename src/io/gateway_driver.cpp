@@ -55,8 +55,6 @@ void GatewayDriver::add_server(ListenerId listener, boost::asio::ip::tcp::accept
   servers_.add(listener, std::move(acceptor), end_of_client_descriptors(settings()));
 }
 
-void GatewayDriver::remove_servers(ListenerId listener) { servers_.remove(listener); }
-
 void GatewayDriver::start() {
   carry_out_actions();
   servers_.start();
@@ -71,11 +69,6 @@ void GatewayDriver::reload(const gateway::Settings& settings, std::string_view c
   observer_.on_status_changed();
 }
 
-void GatewayDriver::clear_counters() {
-  feed(gateway::ClearCountersAsked{});
-  carry_out_actions();
-}
-
 gateway::StatusReport GatewayDriver::report_status(bool with_clients) const {
   const gateway::Instant at = clock_();
   return gateway_.report_status(at - started_, at, with_clients);
@@ -83,8 +76,7 @@ gateway::StatusReport GatewayDriver::report_status(bool with_clients) const {
 
 void GatewayDriver::shutdown() {
   servers_.stop();
-  feed(gateway::ShutdownAsked{});
-  carry_out_actions();
+  process(gateway::ShutdownAsked{});
 }
 
 void GatewayDriver::client_accepted(ListenerId listener, AcceptedClient client) {
@@ -107,8 +99,7 @@ void GatewayDriver::client_accepted(ListenerId listener, AcceptedClient client) 
 }
 
 void GatewayDriver::connected(ClientId id, const gateway::ClientInfo& info) {
-  feed(gateway::ClientConnected{id, info});
-  carry_out_actions();
+  process(gateway::ClientConnected{id, info});
   if (auto* const added = clients_.find(id)) {
     added->start();
   }
@@ -129,20 +120,9 @@ void GatewayDriver::client_bytes(ClientId client, modbus::Bytes bytes, std::size
   carry_out_actions();
 }
 
-void GatewayDriver::client_sent(ClientId client) {
-  feed(gateway::ClientSent{client});
-  carry_out_actions();
-}
-
-void GatewayDriver::client_half_closed(ClientId client) {
-  feed(gateway::ClientHalfClosed{client});
-  carry_out_actions();
-}
-
 void GatewayDriver::client_disconnected(ClientId client, modbus::Bytes bytes) {
   clients_.note_disconnected(client);
-  feed(gateway::ClientDisconnected{client, bytes});
-  carry_out_actions();
+  process(gateway::ClientDisconnected{client, bytes});
   observer_.on_status_changed();
 }
 
@@ -158,24 +138,13 @@ void GatewayDriver::line_opened(BusId bus, bus::LineKind kind,
   for (const auto& warning : warnings) {
     observer_.on_line_warning(bus, warning);
   }
-  feed(gateway::LineOpened{bus, kind});
-  carry_out_actions();
+  process(gateway::LineOpened{bus, kind});
   observer_.on_status_changed();
-}
-
-void GatewayDriver::line_bytes(BusId bus, modbus::Bytes bytes) {
-  feed(gateway::LineBytes{bus, bytes});
-  carry_out_actions();
-}
-
-void GatewayDriver::line_unsent(BusId bus, std::size_t bytes) {
-  feed(gateway::LineUnsent{bus, bytes});
 }
 
 void GatewayDriver::line_lost(BusId bus, const std::string& why) {
   observer_.on_line_failure(bus, why);
-  feed(gateway::LineLost{bus});
-  carry_out_actions();
+  process(gateway::LineLost{bus});
   observer_.on_status_changed();
 }
 
@@ -192,6 +161,11 @@ void GatewayDriver::feed(const gateway::Input& input) {
   const gateway::Instant at = reading_at_.value_or(clock_());
   notice_stall(at);
   hand_in(input, at);
+}
+
+void GatewayDriver::process(const gateway::Input& input) {
+  feed(input);
+  carry_out_actions();
 }
 
 void GatewayDriver::hand_in(const gateway::Input& input, gateway::Instant at) {

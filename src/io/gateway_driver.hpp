@@ -72,10 +72,10 @@ class GatewayDriver final : public AcceptEvents,
   /// listeners are closed; new ones are added by add_server().
   void reload(const gateway::Settings& settings, std::string_view config);
   /// Closes the sockets of this listener: no more clients are accepted on them.
-  void remove_servers(gateway::ListenerId listener);
+  void remove_servers(gateway::ListenerId listener) { servers_.remove(listener); }
   /// Certificates of the listeners with TLS, from now on; before start() too.
   void use_tls(const TlsContexts& contexts, const gateway::Settings& next);
-  void clear_counters();
+  void clear_counters() { process(gateway::ClearCountersAsked{}); }
   /// Accepts no more clients and lets the machine finish; on_finished() follows.
   void shutdown();
 
@@ -94,14 +94,20 @@ class GatewayDriver final : public AcceptEvents,
   void tls_behind(std::chrono::milliseconds missed) override;
   void tls_drained() override;
   void client_bytes(gateway::ClientId client, modbus::Bytes bytes, std::size_t unread) override;
-  void client_sent(gateway::ClientId client) override;
-  void client_half_closed(gateway::ClientId client) override;
+  void client_sent(gateway::ClientId client) override { process(gateway::ClientSent{client}); }
+  void client_half_closed(gateway::ClientId client) override {
+    process(gateway::ClientHalfClosed{client});
+  }
   void client_disconnected(gateway::ClientId client, modbus::Bytes bytes) override;
   void client_closed(gateway::ClientId client) override;
   void line_opened(gateway::BusId bus, bus::LineKind kind,
                    const std::vector<std::string>& warnings) override;
-  void line_bytes(gateway::BusId bus, modbus::Bytes bytes) override;
-  void line_unsent(gateway::BusId bus, std::size_t bytes) override;
+  void line_bytes(gateway::BusId bus, modbus::Bytes bytes) override {
+    process(gateway::LineBytes{bus, bytes});
+  }
+  void line_unsent(gateway::BusId bus, std::size_t bytes) override {
+    feed(gateway::LineUnsent{bus, bytes});
+  }
   void line_lost(gateway::BusId bus, const std::string& why) override;
   void line_closed(gateway::BusId bus, const std::string& why) override;
   [[nodiscard]] std::string name_of(gateway::BusId bus) const override {
@@ -111,6 +117,8 @@ class GatewayDriver final : public AcceptEvents,
   /// The only way into the machine. A recording has exactly the inputs that pass here.
   void feed(const gateway::Input& input);
   void hand_in(const gateway::Input& input, gateway::Instant at);
+  /// Feeds it, and carries out what follows.
+  void process(const gateway::Input& input);
   /// What clients have sent while this did not run is old. True if it has not run for too long.
   bool notice_stall(gateway::Instant at);
   void connected(gateway::ClientId id, const gateway::ClientInfo& info);

@@ -17,13 +17,9 @@ void Heartbeat::beat_while(bool wanted, bus::Instant at) {
     last_ = at;
     beat();
   } else {
-    stop();
+    last_.reset();
+    timer_.cancel();
   }
-}
-
-void Heartbeat::stop() {
-  last_.reset();
-  timer_.cancel();
 }
 
 std::optional<std::chrono::milliseconds> Heartbeat::missed(bus::Instant now) {

@@ -32,7 +32,6 @@ class Heartbeat {
   std::optional<std::chrono::milliseconds> missed(bus::Instant now);
 
  private:
-  void stop();
   void beat();
 
   boost::asio::steady_timer timer_;

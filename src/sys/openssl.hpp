@@ -23,19 +23,13 @@ struct FreeWith {
   }
 };
 
-inline void free_certificates(STACK_OF(X509) * certificates) {
-  sk_X509_pop_free(certificates, X509_free);
-}
-
 using KeyHandle = std::unique_ptr<EVP_PKEY, FreeWith<EVP_PKEY_free>>;
 using KeyUseHandle = std::unique_ptr<EVP_PKEY_CTX, FreeWith<EVP_PKEY_CTX_free>>;
 using BioHandle = std::unique_ptr<BIO, FreeWith<BIO_free_all>>;
 using CertificateHandle = std::unique_ptr<X509, FreeWith<X509_free>>;
 using CrlHandle = std::unique_ptr<X509_CRL, FreeWith<X509_CRL_free>>;
-using ChainHandle = std::unique_ptr<STACK_OF(X509), FreeWith<free_certificates>>;
 using ContextHandle = std::unique_ptr<SSL_CTX, FreeWith<SSL_CTX_free>>;
 using SslHandle = std::unique_ptr<SSL, FreeWith<SSL_free>>;
-using SessionHandle = std::unique_ptr<SSL_SESSION, FreeWith<SSL_SESSION_free>>;
 
 /// An error of ours, within a function that OpenSSL calls.
 void raise_own_error(const std::string& why);

@@ -24,7 +24,7 @@ FRONTS = {
     "config/profiles": {"profile_entries", "profile_file", "profile_library"},
     "config/sections": {"sections"},
     "config/toml": {"match_entry", "suggestion", "toml_reader", "toml_value"},
-    "ctl/control": {"event_reader"},
+    "ctl/control": {"connection_shell", "event_reader"},
     "ctl/doctor": set(),
     "ctl/options": {"subcommands"},
     "ctl/profile": {"profile_text"},

@@ -13,6 +13,7 @@
 
 #include "app/control/control_doors.hpp"
 #include "io/blocking_calls.hpp"
+#include "io/clock.hpp"
 #include "sys/unique_fd.hpp"
 
 namespace mbgate::app {
@@ -25,14 +26,13 @@ using UnixAcceptor = boost::asio::local::stream_protocol::acceptor;
 /// Batches of the trace that may be on their way: one that is being taken, and the next.
 constexpr std::size_t kMostBatches = 2;
 
+/// An operator sees no delay, and a busy bus has some ten transactions meanwhile.
+constexpr std::chrono::milliseconds kBringInterval{50};
+
 }  // namespace
 
 Control::Control(boost::asio::io_context& gateway, ControlTarget& target)
-    : gateway_(gateway),
-      target_(target),
-      feed_(
-          gateway, target, [this] { return batches_ < kMostBatches; },
-          [this](TraceBatch batch) { take_over(std::move(batch)); }) {}
+    : gateway_(gateway), target_(target), trace_timer_(gateway) {}
 
 Control::~Control() {
   if (!thread_.joinable()) {
@@ -63,10 +63,10 @@ void Control::begin() {
   reported_ = static_cast<std::uint64_t>(
       std::chrono::duration_cast<milliseconds>(std::chrono::system_clock::now().time_since_epoch())
           .count());
-  const auto set_traced = [this](bool on) {
-    boost::asio::post(gateway_, [this, on] { feed_.set_on(on); });
+  const auto switch_trace = [this](bool on) {
+    boost::asio::post(gateway_, [this, on] { set_traced(on); });
   };
-  server_ = std::make_unique<ControlServer>(home_, gateway_, target_, reported_, set_traced);
+  server_ = std::make_unique<ControlServer>(home_, gateway_, target_, reported_, switch_trace);
   server_->apply(settings_);
   server_->doors().set_end(end_);
   work_.emplace(home_->get_executor());
@@ -168,7 +168,41 @@ void Control::tell(Level level, const std::string& text) {
   });
 }
 
-void Control::take_over(TraceBatch batch) {
+void Control::set_traced(bool on) {
+  if (std::exchange(is_traced_, on) == on) {
+    return;
+  }
+  target_.set_traced(on);
+  if (on) {
+    wait_for_trace();
+  } else {
+    trace_timer_.cancel();
+  }
+}
+
+void Control::wait_for_trace() {
+  trace_timer_.expires_after(kBringInterval);
+  trace_timer_.async_wait([this](const boost::system::error_code& error) {
+    if (!error && is_traced_) {
+      bring_trace();
+      wait_for_trace();
+    }
+  });
+}
+
+// As long as the other thread has not taken what was brought, records stay where they are, and the
+// oldest are lost in the end.
+void Control::bring_trace() {
+  if (batches_ >= kMostBatches) {
+    return;
+  }
+  auto taken = target_.take_trace();
+  if (taken.records.empty() && taken.lost == 0) {
+    return;
+  }
+  const auto since_zero =
+      std::chrono::duration_cast<std::chrono::system_clock::duration>(io::now().time_since_epoch());
+  TraceBatch batch{std::move(taken), std::chrono::system_clock::now() - since_zero};
   ++batches_;
   boost::asio::post(*home_, [this, batch = std::move(batch)]() mutable {
     --batches_;

@@ -21,6 +21,7 @@
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -31,7 +32,6 @@
 #include <thread>
 
 #include "app/control/control_server.hpp"
-#include "app/control/trace_streams.hpp"
 #include "app/log.hpp"
 #include "gateway/settings.hpp"
 
@@ -66,7 +66,10 @@ class Control {
   void tell(Level level, const std::string& text);
 
  private:
-  void take_over(TraceBatch batch);
+  /// While it is on, the trace is brought to the other thread several times a second.
+  void set_traced(bool on);
+  void wait_for_trace();
+  void bring_trace();
   /// Has its thread and what runs there, once. Throws what the standard library throws.
   void begin();
   void run();
@@ -87,7 +90,8 @@ class Control {
   std::uint64_t reported_ = 0;            ///< lines, also those that were dropped
   std::atomic<std::size_t> waiting_ = 0;  ///< lines that the server's thread has not taken yet
   std::atomic<std::size_t> batches_ = 0;  ///< of the trace, not taken yet either
-  TraceFeed feed_;
+  boost::asio::steady_timer trace_timer_;
+  bool is_traced_ = false;
   std::thread thread_;
 };
 

@@ -3,8 +3,6 @@
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +12,6 @@
 #include <string_view>
 #include <utility>
 
-#include "app/control/control_target.hpp"
 #include "app/control/stream_readers.hpp"
 #include "app/control/tcp_rules.hpp"
 #include "app/trace/trace_json.hpp"
@@ -23,37 +20,10 @@
 
 namespace mbgate::app {
 
-// Brings the trace from the gateway's thread to that of the HTTP interface, several times a second,
-// while somebody reads it. Used only on the gateway's thread.
-
-/// Records that go over together.
+/// Records that go over to this thread together.
 struct TraceBatch {
   gateway::TraceBook::Taken taken;
   std::chrono::system_clock::time_point epoch;  ///< the time of day at the machine's instant 0
-};
-
-class TraceFeed {
- public:
-  /// Takes a batch over to the other thread.
-  using Deliver = std::function<void(TraceBatch)>;
-  /// Has the other thread taken what was delivered? Until then records stay where they are, and the
-  /// oldest are lost in the end.
-  using HasRoom = std::function<bool()>;
-
-  TraceFeed(boost::asio::io_context& gateway, ControlTarget& target, HasRoom has_room,
-            Deliver deliver);
-
-  void set_on(bool on);
-
- private:
-  void wait();
-  void bring();
-
-  ControlTarget& target_;
-  HasRoom has_room_;
-  Deliver deliver_;
-  boost::asio::steady_timer timer_;
-  bool on_ = false;
 };
 
 /// A record, and as it goes out.

@@ -21,7 +21,6 @@
 #include <vector>
 
 #include "base/text.hpp"
-#include "modbus/result.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -119,6 +118,16 @@ Endpoints look_up_in_time(const HostAndPort& server, const WaitLimit& limit) {
   return result.get();
 }
 
+error_code connect_to_any(ControlConnection& connection,
+                          const std::vector<stream_protocol::endpoint>& endpoints,
+                          const WaitLimit& limit) {
+  return try_in_turn(endpoints.size(), limit, [&](std::size_t at, const WaitLimit& share) {
+    error_code ignored;
+    static_cast<void>(connection.close(ignored));
+    return connect_to(connection, endpoints[at], share);
+  });
+}
+
 }  // namespace
 
 std::string wrong_place(const std::string& place) {
@@ -137,18 +146,23 @@ std::string wrong_place(const std::string& place) {
 
 error_code connect(ControlConnection& connection, const std::string& place,
                    const WaitLimit& limit) {
-  if (!is_tcp(place)) {
-    return connect_to(connection, boost::asio::local::stream_protocol::endpoint(place), limit);
+  const Endpoints found = is_tcp(place)
+                              ? look_up_in_time(*parse_place(place), limit)
+                              : Endpoints({boost::asio::local::stream_protocol::endpoint(place)});
+  return found ? connect_to_any(connection, *found, limit) : found.error();
+}
+
+Result<sys::UniqueFd, error_code> connected_socket(const addrinfo* places, const WaitLimit& limit) {
+  std::vector<stream_protocol::endpoint> endpoints;
+  for (; places != nullptr; places = places->ai_next) {
+    endpoints.emplace_back(places->ai_addr, places->ai_addrlen, places->ai_protocol);
   }
-  const Endpoints found = look_up_in_time(*parse_place(place), limit);
-  if (!found) {
-    return found.error();
+  boost::asio::io_context context;
+  ControlConnection connection(context);
+  if (const error_code error = connect_to_any(connection, endpoints, limit)) {
+    return error;
   }
-  return try_in_turn(found->size(), limit, [&](std::size_t at, const WaitLimit& share) {
-    error_code ignored;
-    static_cast<void>(connection.close(ignored));
-    return connect_to(connection, (*found)[at], share);
-  });
+  return sys::UniqueFd(connection.release());
 }
 
 error_code try_in_turn(

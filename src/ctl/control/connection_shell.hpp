@@ -3,12 +3,17 @@
 // "tcp://HOST:PORT", one of its [http] listen, where it can only be read.
 #pragma once
 
+#include <netdb.h>
+
 #include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/system/error_code.hpp>
 #include <chrono>
 #include <cstddef>
 #include <functional>
 #include <string>
+
+#include "modbus/result.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace mbgate::ctl {
 
@@ -33,6 +38,10 @@ std::string wrong_place(const std::string& place);
 /// The place must not be wrong. Where the time is over, the error is timed_out.
 boost::system::error_code connect(ControlConnection& connection, const std::string& place,
                                   const WaitLimit& limit);
+
+/// A socket, which does not block, that is connected to one of these.
+Result<sys::UniqueFd, boost::system::error_code> connected_socket(const addrinfo* places,
+                                                                  const WaitLimit& limit);
 
 /// Tries `count` places one by one until one can be reached. Each but the last gets a share of what
 /// is left of the time: one that never answers leaves time for the others.

@@ -64,9 +64,7 @@ void add_status(CLI::App& app, const Choose& choose) {
   auto* watch = status->add_flag(
       "--watch", words->watch,
       "show it again and again, on a terminal in place, until q is typed or it is interrupted");
-  status->add_option("--every", words->every, "with --watch: at this interval")
-      ->needs(watch)
-      ->capture_default_str();
+  status->add_option("--every", words->every, "with --watch: at this interval")->needs(watch);
   status->add_option("--times", words->command.times, "with --watch: end after this many times")
       ->needs(watch)
       ->check(CLI::Range(1U, kMost));

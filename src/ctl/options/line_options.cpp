@@ -48,7 +48,7 @@ CLI::Option* add_device(CLI::App& command, PortWords& words, const std::string& 
 /// An option that goes with --device.
 void add_with(CLI::App& command, CLI::Option* device, const std::string& name, std::string& word,
               const std::string& what) {
-  command.add_option(name, word, "with --device: " + what)->needs(device)->capture_default_str();
+  command.add_option(name, word, "with --device: " + what)->needs(device);
 }
 
 /// What a configuration takes for a name.
@@ -107,8 +107,7 @@ void add_line_to_doctor(CLI::App& doctor, DoctorWords& words) {
       ->type_name("NAME")
       ->excludes(device);
   doctor.add_option("--config", words.command.config, "the configuration file, with --bus")
-      ->excludes(device)
-      ->capture_default_str();
+      ->excludes(device);
   add_profile_folder(doctor, words.command.folder);
 }
 
@@ -141,14 +140,11 @@ void add_scan(CLI::App& app, const Choose& choose) {
       "scanned without a gateway, and its baud rate and parity are found.");
   const auto words = std::make_shared<ScanWords>();
   ScanCommand& command = words->command;
-  scan->add_option("--units", words->units, "units to ask: 5 or 1-32 or 1-8,17")
-      ->capture_default_str();
+  scan->add_option("--units", words->units, "units to ask: 5 or 1-32 or 1-8,17");
   add_server(*scan, words->server);
   add_port_to_scan(*scan, *words);
   add_profile_folder(*scan, command.folder);
-  scan->add_option("--bus", command.bus, "its name in the configuration")
-      ->check(wrong_bus_name)
-      ->capture_default_str();
+  scan->add_option("--bus", command.bus, "its name in the configuration")->check(wrong_bus_name);
   scan->add_option("--config", command.config, "write the configuration to this new file")
       ->type_name("FILE");
   scan->add_flag("--json", command.json, "for programs: one JSON object");
@@ -167,15 +163,11 @@ void add_doctor(CLI::App& app, const Choose& choose) {
   add_line_to_doctor(*doctor, *words);
   doctor->add_option("--address", words->units,
                      "addresses to ask: 5 or 1-8,17; default: the devices of the configuration");
-  doctor
-      ->add_option("--register", command.holding_register,
-                   "protocol address of the holding register to read")
-      ->capture_default_str();
+  doctor->add_option("--register", command.holding_register,
+                     "protocol address of the holding register to read");
   doctor->add_option("--requests", command.requests, "how many reads each device gets")
-      ->check(CLI::Range(1U, kMostReads))
-      ->capture_default_str();
-  doctor->add_option("--listen", words->listen, "how long to listen before anything is sent")
-      ->capture_default_str();
+      ->check(CLI::Range(1U, kMostReads));
+  doctor->add_option("--listen", words->listen, "how long to listen before anything is sent");
   doctor->add_flag("--json", command.json, "for programs: one JSON object");
   doctor->callback([words, choose] { choose(doctor_of(*words)); });
 }

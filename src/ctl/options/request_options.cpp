@@ -61,11 +61,8 @@ void add_place(CLI::App& command, PlaceWords& words, const std::vector<std::stri
   command
       .add_option("--order", words.order,
                   "of the registers of a value of 32 or 64 bits: big (high word first) or little")
-      ->check(CLI::IsMember(std::vector<std::string>{"big", "little"}))
-      ->capture_default_str();
-  command.add_option("--unit", words.unit, "unit identifier")
-      ->check(CLI::Range(0, 255))
-      ->capture_default_str();
+      ->check(CLI::IsMember(std::vector<std::string>{"big", "little"}));
+  command.add_option("--unit", words.unit, "unit identifier")->check(CLI::Range(0, 255));
   add_server(command, words.server);
   add_tls(command, words.server);
 }
@@ -105,8 +102,7 @@ void add_read(CLI::App& app, const Choose& choose) {
   const auto words = std::make_shared<ReadWords>();
   ReadCommand& command = words->command;
   add_place(*read, words->where, {"coils", "discrete", "holding", "input"});
-  read->add_option("--count", command.count, "how many values; of a string, how many registers")
-      ->capture_default_str();
+  read->add_option("--count", command.count, "how many values; of a string, how many registers");
   auto* every =
       read->add_option("--every", words->every,
                        "repeat the read at this interval, such as 500ms, until interrupted");
@@ -136,7 +132,7 @@ void add_write(CLI::App& app, const Choose& choose) {
                    "decimal, or hex as the bits that go out (0xFFFE is -2 as i16); coils: 0, 1, "
                    "off or on; a string: its text")
       ->required();
-  write->add_option("more", words->more, "values for the addresses that follow");
+  write->add_option("more", words->more, "values for the addresses that follow")->default_str("");
   write->add_flag("--multiple", command.multiple,
                   "use functions 15 and 16 even for one coil or register");
   write->add_flag("--quiet", command.quiet, "print nothing on success");

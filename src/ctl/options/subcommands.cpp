@@ -26,20 +26,18 @@ std::chrono::nanoseconds parse_time(const std::string& text, std::chrono::millis
 }
 
 void add_server(CLI::App& command, ServerWords& words) {
-  command.add_option("--host", words.target.host, "name or address of the gateway")
-      ->capture_default_str();
+  command.add_option("--host", words.target.host, "name or address of the gateway");
   command.add_option("--port", words.port, "TCP port")
       ->check(CLI::Range(1, 65535))
       ->default_str(std::to_string(words.target.port));
-  command.add_option("--timeout", words.timeout, "for the connection and for the answer")
-      ->capture_default_str();
+  command.add_option("--timeout", words.timeout, "for the connection and for the answer");
 }
 
 void add_tls(CLI::App& command, ServerWords& words) {
   auto* tls =
       command.add_flag("--tls", words.tls, "over TLS (Modbus/TCP Security), port 802 by default");
   const auto add = [&](const std::string& name, auto& word, const std::string& what) {
-    command.add_option(name, word, "with --tls: " + what)->needs(tls);
+    command.add_option(name, word, "with --tls: " + what)->needs(tls)->default_str("");
   };
   TlsIdentity& identity = words.identity;
   add("--certificate", identity.certificate, "our certificate, in PEM");
@@ -64,8 +62,7 @@ void add_control(CLI::App& command, std::string& socket) {
       .add_option("--control", socket,
                   "the control socket of mbgated, its [http] socket; or, to read, "
                   "tcp://HOST:PORT, one of its [http] listen")
-      ->type_name("PLACE")
-      ->capture_default_str();
+      ->type_name("PLACE");
 }
 
 Target target_of(const ServerWords& words) {
@@ -98,10 +95,8 @@ void add_check(CLI::App& app, const Choose& choose) {
   auto* check = app.add_subcommand(
       "check", "Report the errors of a configuration, as mbgated --check does. No port is opened.");
   const auto words = std::make_shared<CheckCommand>();
-  check
-      ->add_option("file", words->config,
-                   "the configuration file; those of conf.d beside it are read too")
-      ->capture_default_str();
+  check->add_option("file", words->config,
+                    "the configuration file; those of conf.d beside it are read too");
   add_profile_folder(*check, words->folder);
   check->callback([words, choose] { choose(*words); });
 }
@@ -112,7 +107,9 @@ void add_replay(CLI::App& app, const Choose& choose) {
       "Replay a recording of mbgated, and report where this version first does something else. No "
       "port is opened.");
   const auto words = std::make_shared<ReplayCommand>();
-  replay->add_option("file", words->recording, "a recording of mbgated --record")->required();
+  replay->add_option("file", words->recording, "a recording of mbgated --record")
+      ->required()
+      ->default_str("");
   add_profile_folder(*replay, words->folder);
   replay->callback([words, choose] { choose(*words); });
 }
@@ -126,6 +123,7 @@ std::variant<Command, Notice> parse_command_line(const std::string& version, int
       "mbgatectl");
   app.set_version_flag("--version", "mbgatectl " + version);
   app.require_subcommand(1);
+  app.option_defaults()->always_capture_default();
   app.get_formatter()->column_width(22);
   std::optional<Command> chosen;
   for (const auto add :

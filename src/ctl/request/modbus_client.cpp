@@ -51,42 +51,49 @@ std::string role_hint(const Target& target, std::uint8_t code) {
 
 }  // namespace
 
-void ModbusClient::Free::operator()(_modbus* context) const {
+void Connection::Free::operator()(_modbus* context) const {
   modbus_close(context);
   modbus_free(context);
 }
 
-ModbusClient::ModbusClient(Target target, std::unique_ptr<TlsTunnel> tunnel, Context context)
-    : target_(std::move(target)), tunnel_(std::move(tunnel)), context_(std::move(context)) {}
+void Connection::close() {
+  context_.reset();
+  tunnel_.reset();
+}
 
-Result<ModbusClient, std::string> ModbusClient::connect(const Target& target) {
-  const std::string prefix = fmt::format("cannot connect to {}: ", endpoint_text(target));
-  std::unique_ptr<TlsTunnel> tunnel;
-  if (target.tls) {
-    auto connection = connect_tls(target.host, target.port, target.timeout, *target.tls);
-    if (!connection) {
-      return prefix + connection.error();
+std::optional<std::string> Connection::open() {
+  pollfd watched{context_ ? modbus_get_socket(context_.get()) : -1, POLLIN, 0};
+  if (context_ && poll(&watched, 1, 0) == 0) {
+    return std::nullopt;
+  }
+  close();
+  const std::string prefix = fmt::format("cannot connect to {}: ", endpoint_text(target_));
+  if (target_.tls) {
+    auto tunnel = TlsTunnel::open(target_.host, target_.port, target_.timeout, *target_.tls);
+    if (!tunnel) {
+      return prefix + tunnel.error();
     }
-    tunnel = std::make_unique<TlsTunnel>(*std::move(connection));
-  } else if (const auto found = find_places(target.host, target.port); !found) {
+    tunnel_ = *std::move(tunnel);
+  } else if (const auto found = find_places(target_.host, target_.port); !found) {
     // libmodbus would report an unknown host as a refused connection.
     return prefix + found.error();
   }
-  Context context(modbus_new_tcp_pi(target.host.c_str(), std::to_string(target.port).c_str()));
+  Context context(modbus_new_tcp_pi(target_.host.c_str(), std::to_string(target_.port).c_str()));
   if (!context) {
     return prefix + modbus_strerror(errno);
   }
-  set_timeout(*context, target);
-  if (tunnel) {  // libmodbus knows no TLS: it gets one end of the tunnel as its socket
-    modbus_set_socket(context.get(), tunnel->take_socket());
+  set_timeout(*context, target_);
+  if (tunnel_) {  // libmodbus knows no TLS: it gets one end of the tunnel as its socket
+    modbus_set_socket(context.get(), tunnel_->take_socket());
   } else if (modbus_connect(context.get()) != 0) {
-    return prefix + (errno == ETIMEDOUT ? "no answer within " + config::to_text(target.timeout)
+    return prefix + (errno == ETIMEDOUT ? "no answer within " + config::to_text(target_.timeout)
                                         : std::string(modbus_strerror(errno)));
   }
-  return ModbusClient(target, std::move(tunnel), std::move(context));
+  context_ = std::move(context);
+  return std::nullopt;
 }
 
-std::string ModbusClient::failure(int error, const modbus::Request& request) const {
+std::string Connection::failure(int error, const modbus::Request& request) const {
   std::string text = endpoint_text(target_);
   switch (error) {
     case ETIMEDOUT:
@@ -103,7 +110,7 @@ std::string ModbusClient::failure(int error, const modbus::Request& request) con
   return request.is_read() ? text : text + "; the write may have been done";
 }
 
-Result<modbus::Pdu, std::string> ModbusClient::ask(const modbus::Request& request) {
+Result<modbus::Pdu, std::string> Connection::receive(const modbus::Request& request) {
   std::vector<std::uint8_t> outgoing{target_.unit};
   const auto pdu = request.pdu().bytes();
   outgoing.insert(outgoing.end(), pdu.begin(), pdu.end());
@@ -134,25 +141,20 @@ Result<modbus::Pdu, std::string> ModbusClient::ask(const modbus::Request& reques
   return frame->adu.pdu;
 }
 
-bool ModbusClient::is_lost() const {
-  pollfd watched{modbus_get_socket(context_.get()), POLLIN, 0};
-  return poll(&watched, 1, 0) != 0;
+Result<modbus::Pdu, std::string> Connection::exchange(const modbus::Request& request) {
+  auto response = receive(request);
+  if (!response) {
+    close();
+  }
+  return response;
 }
 
 Result<modbus::Pdu, Failure> Connection::ask(const modbus::Request& request) {
-  if (client_ && client_->is_lost()) {
-    client_.reset();
+  if (auto why = open()) {
+    return Failure{kExitNotDone, *std::move(why)};
   }
-  if (!client_) {
-    auto client = ModbusClient::connect(target_);
-    if (!client) {
-      return Failure{kExitNotDone, client.error()};
-    }
-    client_.emplace(*std::move(client));
-  }
-  const auto response = client_->ask(request);
+  const auto response = exchange(request);
   if (!response) {
-    client_.reset();  // the response may still come, and must not be taken for the next one
     return Failure{kExitNotDone, response.error()};
   }
   if (response->is_exception()) {

@@ -20,33 +20,6 @@ struct _modbus;  // libmodbus' modbus_t
 
 namespace mbgate::ctl {
 
-class ModbusClient {
- public:
-  /// Connects within the timeout of the target. The error is a full sentence that names host and
-  /// port.
-  static Result<ModbusClient, std::string> connect(const Target& target);
-
-  /// Sends the request and waits for its response: normal, or an exception. It is an error if the
-  /// response does not match the request or does not come within the timeout.
-  Result<modbus::Pdu, std::string> ask(const modbus::Request& request);
-
-  /// Between two requests: is the connection of no more use, because the server has closed it or
-  /// has sent something unasked?
-  [[nodiscard]] bool is_lost() const;
-
- private:
-  struct Free {
-    void operator()(_modbus* context) const;
-  };
-  using Context = std::unique_ptr<_modbus, Free>;
-  ModbusClient(Target target, std::unique_ptr<TlsTunnel> tunnel, Context context);
-  [[nodiscard]] std::string failure(int error, const modbus::Request& request) const;
-
-  Target target_;
-  std::unique_ptr<TlsTunnel> tunnel_;  ///< none: plain TCP; it ends after the context has
-  Context context_;
-};
-
 /// Why a command was not carried out.
 struct Failure {
   int status;  ///< of the program
@@ -59,13 +32,31 @@ class Connection {
  public:
   explicit Connection(Target target) : target_(std::move(target)) {}
 
-  /// The normal response. Connects before the first request, and again after the connection was
-  /// lost or a response did not come.
+  /// Connects within the timeout of the target, unless it is connected and the server has neither
+  /// closed the connection nor sent something unasked. Why not, or nothing: a full sentence that
+  /// names host and port.
+  std::optional<std::string> open();
+  /// Once it is open: sends the request and waits for its response, normal or an exception. It is
+  /// an error if the response does not match the request or does not come within the timeout; the
+  /// connection is closed then, because the response may still come, and must not be taken for the
+  /// next one.
+  Result<modbus::Pdu, std::string> exchange(const modbus::Request& request);
+  /// Opens it, and gets the normal response.
   Result<modbus::Pdu, Failure> ask(const modbus::Request& request);
 
  private:
+  struct Free {
+    void operator()(_modbus* context) const;
+  };
+  using Context = std::unique_ptr<_modbus, Free>;
+
+  Result<modbus::Pdu, std::string> receive(const modbus::Request& request);
+  [[nodiscard]] std::string failure(int error, const modbus::Request& request) const;
+  void close();
+
   Target target_;
-  std::optional<ModbusClient> client_;
+  std::unique_ptr<TlsTunnel> tunnel_;  ///< none: plain TCP; it ends after the context has
+  Context context_;                    ///< none: it is not connected
 };
 
 }  // namespace mbgate::ctl

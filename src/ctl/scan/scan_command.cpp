@@ -98,24 +98,19 @@ int report(const ScanCommand& command, const PortScan& scan, std::ostream& out,
 
 ScanResult scan_through_gateway(const ScanCommand& command, const Catalogue& catalogue,
                                 std::ostream& errors) {
-  // A connection for each unit, made anew after an answer that did not come: it may still come, and
-  // must not be taken for the next one.
   Target target = command.target;
-  std::optional<ModbusClient> client;
+  std::optional<Connection> connection;
   const auto ask = [&](std::uint8_t unit, const TableRange& read) -> Result<Answer, std::string> {
-    if (!client || target.unit != unit) {
+    if (!connection || target.unit != unit) {
       target.unit = unit;
-      client.reset();
-      auto connected = ModbusClient::connect(target);
-      if (!connected) {
-        return connected.error();
-      }
-      client.emplace(*std::move(connected));
+      connection.emplace(target);
+    }
+    if (auto why = connection->open()) {
+      return *std::move(why);
     }
     const auto begin = std::chrono::steady_clock::now();
-    const auto response = client->ask(modbus::make_read(read));
+    const auto response = connection->exchange(modbus::make_read(read));
     if (!response) {
-      client.reset();
       return Answer{AnswerKind::silence};
     }
     auto answer = answer_of(read, *response);

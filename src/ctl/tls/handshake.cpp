@@ -3,7 +3,6 @@
 
 #include <openssl/err.h>
 #include <openssl/pem.h>
-#include <poll.h>
 #include <pthread.h>
 #include <sys/socket.h>
 
@@ -11,12 +10,13 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <ctime>
 #include <fmt/core.h>
+#include <future>
 #include <optional>
 #include <system_error>
 #include <utility>
 
+#include "ctl/control/connection_shell.hpp"
 #include "ctl/visible_text.hpp"
 #include "routing/client_address.hpp"
 #include "sys/tls_stream.hpp"
@@ -25,35 +25,9 @@ namespace mbgate::ctl {
 namespace {
 
 using sys::expect_openssl;
-using Deadline = std::chrono::steady_clock::time_point;
 
 constexpr int kOwnAlerts = SSL_AD_REASON_OFFSET;
 constexpr const char* kClosed = "the server closed the connection";
-
-/// Waits for the events; false at the deadline.
-bool wait_for(int socket, short events, Deadline deadline) {
-  const auto left =
-      std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-  pollfd watched{socket, events, 0};
-  return left.count() > 0 && ::poll(&watched, 1, static_cast<int>(left.count())) > 0;
-}
-
-/// An errno, or 0 where the socket is connected.
-int connect_one(int socket, const addrinfo& place, Deadline deadline) {
-  if (::connect(socket, place.ai_addr, place.ai_addrlen) == 0) {
-    return 0;
-  }
-  if (errno != EINPROGRESS) {
-    return errno;
-  }
-  if (!wait_for(socket, POLLOUT, deadline)) {
-    return ETIMEDOUT;
-  }
-  int error = 0;
-  socklen_t size = sizeof error;
-  ::getsockopt(socket, SOL_SOCKET, SO_ERROR, &error, &size);
-  return error;
-}
 
 Result<sys::UniqueFd, std::string> connect_tcp(const std::string& host, std::uint16_t port,
                                                Deadline deadline) {
@@ -61,16 +35,12 @@ Result<sys::UniqueFd, std::string> connect_tcp(const std::string& host, std::uin
   if (!places) {
     return places.error();
   }
-  int error = 0;
-  for (const addrinfo* place = places->get(); place != nullptr; place = place->ai_next) {
-    sys::UniqueFd socket(
-        ::socket(place->ai_family, place->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-    error = socket.get() < 0 ? errno : connect_one(socket.get(), *place, deadline);
-    if (error == 0) {
-      return socket;
-    }
+  auto socket = connected_socket(places->get(), {deadline, {}});
+  if (!socket) {
+    return socket.error() == boost::system::errc::timed_out ? "no answer in time"
+                                                            : socket.error().message();
   }
-  return error == ETIMEDOUT ? "no answer in time" : std::generic_category().message(error);
+  return *std::move(socket);
 }
 
 /// Our certificate, our key and whom we trust; or which file is wrong, and why.
@@ -109,28 +79,6 @@ std::string verify_text(const SSL& session, const std::string& name, const TlsId
     default: return text;
   }
 }
-
-/// OpenSSL writes without MSG_NOSIGNAL: a server that is gone must not end the process.
-class HeldPipeSignal {
- public:
-  HeldPipeSignal() {
-    sigemptyset(&pipe_);
-    sigaddset(&pipe_, SIGPIPE);
-    pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
-  }
-  ~HeldPipeSignal() {
-    constexpr timespec kNow{};
-    while (sigtimedwait(&pipe_, nullptr, &kNow) > 0) {
-    }
-    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
-  }
-  HeldPipeSignal(const HeldPipeSignal&) = delete;
-  HeldPipeSignal& operator=(const HeldPipeSignal&) = delete;
-
- private:
-  sigset_t pipe_{};
-  sigset_t before_{};
-};
 
 /// Why the stream is over after this step: "the server refused our certificate: certificate
 /// expired".
@@ -171,9 +119,8 @@ std::string failure_text(const sys::TlsStream& stream, sys::TlsStream::Step step
 }
 
 /// Nothing, where it is done.
-std::optional<std::string> shake_hands(sys::TlsStream& stream, int socket, Deadline deadline) {
-  const HeldPipeSignal held;
-  sys::TlsPump pump(stream, socket, -1);
+std::optional<std::string> shake_hands(const sys::TlsStream& stream, sys::TlsPump& pump,
+                                       Deadline deadline) {
   switch (pump.shake_hands(deadline)) {
     case sys::TlsPump::End::none: return std::nullopt;
     case sys::TlsPump::End::late: return "the server did not answer the TLS handshake in time";
@@ -197,9 +144,10 @@ Result<Places, std::string> find_places(const std::string& host, std::uint16_t p
   return Places(first);
 }
 
-Result<TlsConnection, std::string> connect_tls(const std::string& host, std::uint16_t port,
-                                               std::chrono::nanoseconds timeout,
-                                               const TlsIdentity& identity) {
+Result<std::unique_ptr<TlsTunnel>, std::string> TlsTunnel::open(const std::string& host,
+                                                                std::uint16_t port,
+                                                                std::chrono::nanoseconds timeout,
+                                                                const TlsIdentity& identity) {
   const Deadline deadline = std::chrono::steady_clock::now() + timeout;
   const sys::ContextHandle context = sys::client_context();
   expect_openssl(context.get());
@@ -214,23 +162,23 @@ Result<TlsConnection, std::string> connect_tls(const std::string& host, std::uin
   const std::string& name = identity.server_name.empty() ? host : identity.server_name;
   expect_openssl(sys::expect_name(*session, name) ? 1 : 0);
   SSL_set_connect_state(session.get());
-  auto stream = std::make_unique<sys::TlsStream>(std::move(session), socket->get());
-  if (auto why = shake_hands(*stream, socket->get(), deadline)) {
-    return SSL_get_verify_result(&stream->ssl()) == X509_V_OK
-               ? *std::move(why)
-               : verify_text(stream->ssl(), name, identity);
+  std::unique_ptr<TlsTunnel> tunnel(new TlsTunnel(*std::move(socket), std::move(session)));
+  if (auto why = tunnel->start(deadline)) {
+    const SSL& ssl = tunnel->stream_.ssl();
+    return SSL_get_verify_result(&ssl) == X509_V_OK ? *std::move(why)
+                                                    : verify_text(ssl, name, identity);
   }
-  return TlsConnection{*std::move(socket), std::move(stream)};
+  return tunnel;
 }
 
-TlsTunnel::TlsTunnel(TlsConnection connection) : connection_(std::move(connection)) {
+TlsTunnel::TlsTunnel(sys::UniqueFd socket, sys::SslHandle session)
+    : socket_(std::move(socket)), stream_(std::move(session), socket_.get()) {
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
     throw std::system_error(errno, std::generic_category(), "socketpair");
   }
   ours_ = sys::UniqueFd(ends[0]);
   theirs_ = sys::UniqueFd(ends[1]);
-  thread_ = std::thread([this] { carry(); });
 }
 
 TlsTunnel::~TlsTunnel() {
@@ -238,20 +186,36 @@ TlsTunnel::~TlsTunnel() {
   thread_.join();
 }
 
+std::optional<std::string> TlsTunnel::start(Deadline deadline) {
+  std::promise<std::optional<std::string>> shaken;
+  auto result = shaken.get_future();
+  thread_ = std::thread([this, deadline, shaken = std::move(shaken)]() mutable {
+    // Signals are for the thread that waits for them. And OpenSSL writes without MSG_NOSIGNAL: a
+    // server that is gone must not end the process.
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, nullptr);
+    sys::TlsPump pump(stream_, socket_.get(), ours_.get());
+    auto why = shake_hands(stream_, pump, deadline);
+    const bool is_done = !why;
+    shaken.set_value(std::move(why));
+    if (is_done) {
+      carry(pump);
+    }
+  });
+  return result.get();
+}
+
 std::string TlsTunnel::why_ended() const { return has_ended_ ? why_ended_ : std::string(); }
 
-void TlsTunnel::carry() {
-  sigset_t all;
-  sigfillset(&all);  // signals are for the thread that waits for them
-  pthread_sigmask(SIG_BLOCK, &all, nullptr);
-  sys::TlsPump pump(*connection_.stream, connection_.socket.get(), ours_.get());
+void TlsTunnel::carry(sys::TlsPump& pump) {
   const bool is_server_gone = pump.carry(std::nullopt) == sys::TlsPump::End::stream;
   if (is_server_gone) {
-    why_ended_ = failure_text(*connection_.stream, pump.last_step());
+    why_ended_ = failure_text(stream_, pump.last_step());
   }
   has_ended_ = true;
   if (!is_server_gone) {
-    connection_.stream->say_goodbye();
+    stream_.say_goodbye();
   }
   ::shutdown(ours_.get(), SHUT_RDWR);
 }

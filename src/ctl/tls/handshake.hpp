@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -21,27 +22,22 @@
 
 namespace mbgate::ctl {
 
-/// A connection whose handshake is done. The socket does not block.
-struct TlsConnection {
-  sys::UniqueFd socket;
-  std::unique_ptr<sys::TlsStream> stream;
-};
-
 /// What the host and the port stand for; the error is that of the system.
 using Places = std::unique_ptr<addrinfo, sys::FreeWith<::freeaddrinfo>>;
 Result<Places, std::string> find_places(const std::string& host, std::uint16_t port);
 
-/// Within `timeout`, the TCP connection and the handshake together. The error says why, in words
-/// that follow "cannot connect to HOST:PORT: ".
-Result<TlsConnection, std::string> connect_tls(const std::string& host, std::uint16_t port,
-                                               std::chrono::nanoseconds timeout,
-                                               const TlsIdentity& identity);
+using Deadline = std::chrono::steady_clock::time_point;
 
 /// A socket for whoever cannot speak TLS: what is written into it goes to the server over TLS, and
 /// what the server says comes out of it. A thread carries the bytes from one to the other.
 class TlsTunnel {
  public:
-  explicit TlsTunnel(TlsConnection connection);
+  /// Within `timeout`, the TCP connection and the handshake together. The error says why, in words
+  /// that follow "cannot connect to HOST:PORT: ".
+  static Result<std::unique_ptr<TlsTunnel>, std::string> open(const std::string& host,
+                                                              std::uint16_t port,
+                                                              std::chrono::nanoseconds timeout,
+                                                              const TlsIdentity& identity);
   /// Says goodbye to the server. The other end must have been closed.
   ~TlsTunnel();
   TlsTunnel(const TlsTunnel&) = delete;
@@ -49,14 +45,17 @@ class TlsTunnel {
 
   /// The socket, which belongs to the caller from then on.
   [[nodiscard]] int take_socket() { return theirs_.release(); }
-
   /// Why the server is gone; empty as long as it is not known to be, or where we have ended it.
   [[nodiscard]] std::string why_ended() const;
 
  private:
-  void carry();
+  TlsTunnel(sys::UniqueFd socket, sys::SslHandle session);
+  /// Shakes hands; why not, or nothing, and bytes are carried from then on.
+  std::optional<std::string> start(Deadline deadline);
+  void carry(sys::TlsPump& pump);
 
-  TlsConnection connection_;
+  sys::UniqueFd socket_;
+  sys::TlsStream stream_;
   sys::UniqueFd ours_;
   sys::UniqueFd theirs_;
   std::string why_ended_;  ///< written before `has_ended_`

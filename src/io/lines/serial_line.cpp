@@ -153,7 +153,8 @@ boost::asio::awaitable<void> SerialLine::read_loop(unsigned generation) {
       co_return;
     }
     if (const auto lost = error ? error : read()) {
-      lose_reading(lost);
+      lose(has_gone(lost) ? settings_.device + ": the device has gone"
+                          : error_text("read", lost.value()));
     }
     if (generation != generation_) {
       co_return;
@@ -278,11 +279,6 @@ void SerialLine::close_elsewhere(sys::UniqueFd fd, const bus::LineSettings& open
       },
       [](bool) {});
   static_cast<void>(started);
-}
-
-void SerialLine::lose_reading(const boost::system::error_code& error) {
-  lose(has_gone(error) ? settings_.device + ": the device has gone"
-                       : error_text("read", error.value()));
 }
 
 void SerialLine::lose(const std::string& why) {

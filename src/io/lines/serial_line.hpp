@@ -42,7 +42,6 @@ class SerialLine final : public Line {
   void close_elsewhere(sys::UniqueFd fd, const bus::LineSettings& opened);
   void lose(const std::string& why);
   [[nodiscard]] boost::system::error_code read();
-  void lose_reading(const boost::system::error_code& error);
   [[nodiscard]] std::string error_text(const char* action, int error) const;
 
   LineContext context_;

@@ -91,7 +91,7 @@ class TcpLine final : public Line {
   bus::ConnectionTimes times_;
   std::optional<bus::TlsPeer> tls_;
   std::string name_;                     ///< of the server, in messages
-  std::unique_ptr<TlsUplink> uplink_;    ///< with TLS, which has the TCP connection then
+  std::optional<TlsUplink> uplink_;      ///< with TLS, which has the TCP connection then
   std::vector<std::string> warnings_;    ///< of its options
   boost::asio::ip::tcp::socket socket_;  ///< with TLS, one end of the uplink's pair
   boost::asio::steady_timer timer_;      ///< limits looking the name up, connecting, writing

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/asio/experimental/awaitable_operators.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <cerrno>
@@ -15,6 +16,7 @@
 namespace mbgate::io {
 namespace {
 
+using namespace boost::asio::experimental::awaitable_operators;
 using boost::asio::ip::tcp;
 using boost::system::error_code;
 using PairSocket = boost::asio::local::stream_protocol::socket;
@@ -35,8 +37,7 @@ TlsClient::TlsClient(TlsClientContext& shared, std::uint64_t key,
       socket_(std::move(socket)),
       stream_(context_->new_ssl(), socket_.native_handle()),
       pair_(shared.io),
-      timer_(shared.io),
-      down_over_(shared.io) {
+      timer_(shared.io) {
   SSL_set_accept_state(&stream_.ssl());
 }
 
@@ -55,55 +56,36 @@ sys::UniqueFd TlsClient::make_pair() {
   return shared_.closings.watch(ends[0], key_, false) ? std::move(theirs) : sys::UniqueFd();
 }
 
-void TlsClient::linger() {
-  timer_.expires_after(kLinger);
-  timer_.async_wait([weak = weak_from_this()](const error_code& error) {
-    if (const auto client = weak.lock(); client && !error) {
-      client->end();
-    }
-  });
+void TlsClient::linger() { end_at(boost::asio::steady_timer::clock_type::now() + kLinger); }
+
+boost::asio::awaitable<void> TlsClient::carry() {
+  co_await (carry_up() && carry_down());
+  end();
 }
 
-boost::asio::awaitable<void> TlsClient::carry(std::shared_ptr<TlsClient> self) {
-  self->down_over_.expires_at(boost::asio::steady_timer::time_point::max());
-  supervise(self->shared_.io, run_down(self), "TLS to a client");
-  co_await carry_up(self);
-  while (!self->is_down_over_) {
-    co_await self->down_over_.async_wait(kAsTuple);
-  }
-  self->end();
-}
-
-boost::asio::awaitable<void> TlsClient::run_down(std::shared_ptr<TlsClient> self) {
-  co_await carry_down(self);
-  self->is_down_over_ = true;
-  self->down_over_.cancel();
-}
-
-boost::asio::awaitable<void> TlsClient::carry_up(std::shared_ptr<TlsClient> self) {
-  while (self->socket_.is_open()) {
-    self->shared_.look_for_stall();
-    const Step step = self->read_up();
-    if (!self->hand_up()) {
-      if (!co_await self->wait_for_room()) {
+boost::asio::awaitable<void> TlsClient::carry_up() {
+  while (socket_.is_open()) {
+    shared_.look_for_stall();
+    const Step step = read_up();
+    if (!hand_up()) {
+      if (!co_await wait_for_room()) {
         co_return;
       }
       continue;
     }
     if (step == Step::broken || step == Step::flooded) {
-      self->end();
+      end();
     } else if (step == Step::closed) {
       error_code ignored;
-      self->pair_.shutdown(PairSocket::shutdown_send, ignored);
+      pair_.shutdown(PairSocket::shutdown_send, ignored);
       // A reset after it is to be noticed still.
-      if (self->is_down_ended_ ||
-          !self->shared_.hangups.watch(self->socket_.native_handle(), self->key_, false)) {
-        self->end();
+      if (is_down_ended_ || !shared_.hangups.watch(socket_.native_handle(), key_, false)) {
+        end();
       }
       co_return;
     } else if (step == Step::done) {
-      co_await boost::asio::post(self->shared_.io, boost::asio::use_awaitable);  // others go on
-    } else if (!co_await self->wait_for(step)) {
+      co_await boost::asio::post(shared_.io, boost::asio::use_awaitable);  // others go on
+    } else if (!co_await wait_for(step)) {
       co_return;
     }
   }
@@ -163,60 +145,66 @@ std::size_t TlsClient::drain() {
   return drained;
 }
 
-boost::asio::awaitable<void> TlsClient::carry_down(std::shared_ptr<TlsClient> self) {
+boost::asio::awaitable<void> TlsClient::carry_down() {
   std::array<std::uint8_t, kCarriedAtOnce> bytes{};
-  while (self->socket_.is_open()) {
-    const ssize_t count =
-        ::recv(self->pair_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+  while (socket_.is_open()) {
+    const ssize_t count = ::recv(pair_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT);
     if (count > 0) {
       const auto some = std::span<const std::uint8_t>(bytes).first(static_cast<std::size_t>(count));
-      if (!co_await write_down(self, some)) {
-        self->end();
+      if (!co_await write_down(some)) {
+        end();
       }
     } else if (count < 0 && (errno == EAGAIN || errno == EINTR)) {
-      const auto [error] = co_await self->pair_.async_wait(PairSocket::wait_read, kAsTuple);
+      const auto [error] = co_await pair_.async_wait(PairSocket::wait_read, kAsTuple);
       if (error) {
         co_return;
       }
     } else {
-      co_await say_goodbye(self);
+      co_await say_goodbye();
       co_return;
     }
   }
 }
 
 /// False: the connection is broken.
-boost::asio::awaitable<bool> TlsClient::write_down(std::shared_ptr<TlsClient> self,
-                                                   std::span<const std::uint8_t> bytes) {
-  while (!bytes.empty() && self->socket_.is_open()) {
+boost::asio::awaitable<bool> TlsClient::write_down(std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty() && socket_.is_open()) {
     std::size_t count = 0;
-    const Step step = self->note(self->stream_.write(bytes, count));
+    const Step step = note(stream_.write(bytes, count));
     if (step == Step::done) {
       bytes = bytes.subspan(count);
-    } else if (sys::is_over(step) || !co_await self->wait_for(step)) {
+    } else if (sys::is_over(step) || !co_await wait_for(step)) {
       co_return false;
     }
   }
-  co_return self->socket_.is_open();
+  co_return socket_.is_open();
 }
 
 // The machine may take its last answers for sent once the kernel has all of them, and a FIN.
-boost::asio::awaitable<void> TlsClient::say_goodbye(std::shared_ptr<TlsClient> self) {
-  while (self->socket_.is_open()) {
-    const Step step = self->note(self->stream_.say_goodbye());
-    if (step != Step::write_more || !co_await self->wait_for(step)) {
+boost::asio::awaitable<void> TlsClient::say_goodbye() {
+  while (socket_.is_open()) {
+    const Step step = note(stream_.say_goodbye());
+    if (step != Step::write_more || !co_await wait_for(step)) {
       break;
     }
   }
   error_code ignored;
-  self->is_down_ended_ = true;
-  const bool has_client_ended =
-      (SSL_get_shutdown(&self->stream_.ssl()) & SSL_RECEIVED_SHUTDOWN) != 0;
-  self->socket_.shutdown(tcp::socket::shutdown_send, ignored);
-  self->pair_.shutdown(PairSocket::shutdown_send, ignored);  // with the machine's FIN it lingers
+  is_down_ended_ = true;
+  const bool has_client_ended = (SSL_get_shutdown(&stream_.ssl()) & SSL_RECEIVED_SHUTDOWN) != 0;
+  socket_.shutdown(tcp::socket::shutdown_send, ignored);
+  pair_.shutdown(PairSocket::shutdown_send, ignored);  // with the machine's FIN it lingers
   if (has_client_ended) {
-    self->end();
+    end();
   }
+}
+
+void TlsClient::end_at(boost::asio::steady_timer::time_point when, const char* why) {
+  timer_.expires_at(when);
+  timer_.async_wait([weak = weak_from_this(), why](const error_code& error) {
+    if (const auto client = weak.lock(); client && !error) {
+      client->end(why);
+    }
+  });
 }
 
 void TlsClient::end(const std::string& why) {

@@ -35,21 +35,21 @@ struct TlsClientContext {
   std::function<void()> look_for_stall;
 };
 
+/// Whoever awaits one of its coroutines holds it meanwhile.
 class TlsClient : public std::enable_shared_from_this<TlsClient> {
  public:
   TlsClient(TlsClientContext& shared, std::uint64_t key, std::shared_ptr<TlsContext> context,
             boost::asio::ip::tcp::socket socket);
 
   /// Nothing: it is done; else why not. `greeted` is called when the ClientHello has come.
-  static boost::asio::awaitable<std::optional<std::string>> shake_hands(
-      std::shared_ptr<TlsClient> self, gateway::HandshakeSettings limits,
-      std::function<void()> greeted);
+  boost::asio::awaitable<std::optional<std::string>> shake_hands(gateway::HandshakeSettings limits,
+                                                                 std::function<void()> greeted);
   /// After a handshake that failed: lets the client have the alert, and ends.
-  static boost::asio::awaitable<void> drain_and_end(std::shared_ptr<TlsClient> self);
+  boost::asio::awaitable<void> drain_and_end();
   /// After the handshake: the end of the pair that is for the machine; closed if there is none.
   sys::UniqueFd make_pair();
   /// Carries on until both have ended.
-  static boost::asio::awaitable<void> carry(std::shared_ptr<TlsClient> self);
+  boost::asio::awaitable<void> carry();
   /// Carries to the machine what can be carried without waiting. How many bytes that were.
   std::size_t drain();
   /// Both ends of the pair have said all: ends after a moment, also if the client reads nothing.
@@ -68,16 +68,14 @@ class TlsClient : public std::enable_shared_from_this<TlsClient> {
  private:
   using Step = sys::TlsStream::Step;
 
-  static boost::asio::awaitable<void> carry_up(std::shared_ptr<TlsClient> self);
-  static boost::asio::awaitable<void> run_down(std::shared_ptr<TlsClient> self);
-  static boost::asio::awaitable<void> carry_down(std::shared_ptr<TlsClient> self);
-  static boost::asio::awaitable<bool> write_down(std::shared_ptr<TlsClient> self,
-                                                 std::span<const std::uint8_t> bytes);
-  static boost::asio::awaitable<void> say_goodbye(std::shared_ptr<TlsClient> self);
+  boost::asio::awaitable<void> carry_up();
+  boost::asio::awaitable<void> carry_down();
+  boost::asio::awaitable<bool> write_down(std::span<const std::uint8_t> bytes);
+  boost::asio::awaitable<void> say_goodbye();
   boost::asio::awaitable<bool> wait_for(Step step);
   boost::asio::awaitable<bool> wait_for_room();
-  /// Ends the handshake then.
-  void limit_handshake(boost::asio::steady_timer::time_point until, const char* why);
+  /// Ends then, unless the timer is set again. `why`: as of end().
+  void end_at(boost::asio::steady_timer::time_point when, const char* why = "");
   /// All of its ClientHello, of which pieces do not count.
   [[nodiscard]] bool has_hello() const;
   /// Remembers what there is to complain of.
@@ -96,8 +94,6 @@ class TlsClient : public std::enable_shared_from_this<TlsClient> {
   std::string complaint_;
   bool has_greeted_ = false;
   bool is_down_ended_ = false;  ///< the machine has said all
-  bool is_down_over_ = false;   ///< nothing is carried to the client any more
-  boost::asio::steady_timer down_over_;
 };
 
 }  // namespace mbgate::io

@@ -25,40 +25,30 @@ constexpr const char* kTookTooLong = "it took too long (handshake_timeout)";
 }  // namespace
 
 boost::asio::awaitable<std::optional<std::string>> TlsClient::shake_hands(
-    std::shared_ptr<TlsClient> self, gateway::HandshakeSettings limits,
-    std::function<void()> greeted) {
+    gateway::HandshakeSettings limits, std::function<void()> greeted) {
   const auto begin = boost::asio::steady_timer::clock_type::now();
   if (limits.hello < limits.timeout) {
-    self->limit_handshake(begin + limits.hello, "no ClientHello came in time (hello_timeout)");
+    end_at(begin + limits.hello, "no ClientHello came in time (hello_timeout)");
   } else {
-    self->limit_handshake(begin + limits.timeout, kTookTooLong);
+    end_at(begin + limits.timeout, kTookTooLong);
   }
-  while (self->socket_.is_open()) {
-    const Step step = self->note(self->stream_.shake_hands());
-    if (!self->has_greeted_ && self->has_hello()) {
-      self->has_greeted_ = true;
-      self->limit_handshake(begin + limits.timeout, kTookTooLong);
+  while (socket_.is_open()) {
+    const Step step = note(stream_.shake_hands());
+    if (!has_greeted_ && has_hello()) {
+      has_greeted_ = true;
+      end_at(begin + limits.timeout, kTookTooLong);
       greeted();
     }
     if (step == Step::done) {
-      SSL_certs_clear(&self->stream_.ssl());
-      self->timer_.cancel();
+      SSL_certs_clear(&stream_.ssl());
+      timer_.cancel();
       co_return std::nullopt;
     }
-    if (sys::is_over(step) || !co_await self->wait_for(step)) {
+    if (sys::is_over(step) || !co_await wait_for(step)) {
       break;
     }
   }
-  co_return self->complaint_.empty() ? std::string("the client has gone") : self->complaint_;
-}
-
-void TlsClient::limit_handshake(boost::asio::steady_timer::time_point until, const char* why) {
-  timer_.expires_at(until);
-  timer_.async_wait([weak = weak_from_this(), why](const error_code& error) {
-    if (const auto client = weak.lock(); client && !error) {
-      client->end(why);
-    }
-  });
+  co_return complaint_.empty() ? std::string("the client has gone") : complaint_;
 }
 
 bool TlsClient::has_hello() const {
@@ -66,31 +56,25 @@ bool TlsClient::has_hello() const {
   return state != TLS_ST_BEFORE && state != TLS_ST_SR_CLNT_HELLO;
 }
 
-boost::asio::awaitable<void> TlsClient::drain_and_end(std::shared_ptr<TlsClient> self) {
+boost::asio::awaitable<void> TlsClient::drain_and_end() {
   error_code ignored;
-  self->socket_.shutdown(tcp::socket::shutdown_send, ignored);
-  self->timer_.expires_after(kAlertLimit);
-  self->timer_.async_wait([weak = self->weak_from_this()](const error_code& error) {
-    if (const auto client = weak.lock(); client && !error) {
-      client->end();
-    }
-  });
+  socket_.shutdown(tcp::socket::shutdown_send, ignored);
+  end_at(boost::asio::steady_timer::clock_type::now() + kAlertLimit);
   std::array<std::uint8_t, kDroppedAtOnce> bytes{};
   ssize_t count = 1;
-  while (count != 0 && self->socket_.is_open() && co_await self->wait_for(Step::read_more)) {
-    count = ::recv(self->socket_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+  while (count != 0 && socket_.is_open() && co_await wait_for(Step::read_more)) {
+    count = ::recv(socket_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT);
     if (count < 0 && errno != EAGAIN && errno != EINTR) {
       break;
     }
   }
-  self->end();
+  end();
 }
 
 TlsClient::Step TlsClient::note(Step step) {
   if (step == Step::flooded) {
     complaint_ = sys::TlsStream::kFlood;
   } else if (step == Step::broken && ERR_peek_error() != 0) {
-    context_->forget_session_of(&stream_.ssl());
     complaint_ = sys::take_openssl_error();
     if (const long result = SSL_get_verify_result(&stream_.ssl()); result != X509_V_OK) {
       complaint_ += std::string(": ") + X509_verify_cert_error_string(result);

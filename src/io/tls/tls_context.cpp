@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <ctime>
 #include <fmt/core.h>
-#include <iterator>
 #include <utility>
 
 #include "io/tls/fingerprint.hpp"
@@ -28,14 +27,9 @@ constexpr const char* kGroups = "P-256:X25519:P-384";
 constexpr const char* kSignatures =
     "ECDSA+SHA256:RSA-PSS+SHA256:rsa_pss_pss_sha256:RSA+SHA256:ECDSA+SHA384:RSA-PSS+SHA384:"
     "RSA+SHA384:ECDSA+SHA512:RSA-PSS+SHA512:RSA+SHA512";
-constexpr std::size_t kMostSessions = 1024;
+constexpr long kMostSessions = 1024;
 constexpr long kSessionSeconds = 3600;
 constexpr int kDeepestChain = 8;
-
-int context_index() {
-  static const int kIndex = SSL_CTX_get_ex_new_index(0, nullptr, nullptr, nullptr, nullptr);
-  return kIndex;
-}
 
 /// The clock has nanoseconds and ends in 2262; a certificate without an end says 9999 (RFC 5280,
 /// 4.1.2.5).
@@ -73,9 +67,39 @@ std::string common_name_in(const X509* certificate) {
   return std::ranges::any_of(name, is_control) ? std::string() : name;
 }
 
+/// A session that is resumed is judged once more only after its handshake (TlsFront): it ends with
+/// the certificates that the client has shown, so that the handshake itself says what is wrong.
+int limit_session(SSL* ssl, SSL_SESSION* session) {
+  long left = SSL_SESSION_get_timeout(session);
+  const auto shorten = [&](const X509* certificate) {
+    const auto ends = system_clock::to_time_t(time_of(X509_get0_notAfter(certificate)));
+    const auto lasts = ends - 1 - SSL_SESSION_get_time(session);
+    left = static_cast<long>(std::clamp<std::time_t>(lasts, 0, left));
+  };
+  shorten(SSL_get0_peer_certificate(ssl));
+  const STACK_OF(X509)* const chain = SSL_get_peer_cert_chain(ssl);
+  for (int at = 0; at < sk_X509_num(chain); ++at) {
+    shorten(sk_X509_value(chain, at));
+  }
+  SSL_SESSION_set_timeout(session, left);
+  return 0;  // the reference is not ours
+}
+
+/// Clients may resume their sessions (MB-TCP-Security v36, R-42), which OpenSSL keeps, and forgets
+/// after a fatal alert. A client gets a number, no ticket.
+void keep_sessions(SSL_CTX& context) {
+  constexpr unsigned char kName[] = "mbgate";
+  SSL_CTX_set_session_id_context(&context, kName, sizeof kName - 1);
+  SSL_CTX_set_session_cache_mode(&context, SSL_SESS_CACHE_SERVER);
+  SSL_CTX_sess_set_cache_size(&context, kMostSessions);
+  SSL_CTX_set_timeout(&context, kSessionSeconds);
+  SSL_CTX_set_num_tickets(&context, 1);  // TLS 1.3: the number of the session, and no more
+  SSL_CTX_sess_set_new_cb(&context, limit_session);
+}
+
 }  // namespace
 
-TlsContext::TlsContext() : context_(SSL_CTX_new(TLS_server_method())), sessions_(kMostSessions) {
+TlsContext::TlsContext() : context_(SSL_CTX_new(TLS_server_method())) {
   SSL_CTX* const context = context_.get();
   SSL_CTX_set_min_proto_version(context, TLS1_2_VERSION);
   SSL_CTX_set_max_proto_version(context, TLS1_3_VERSION);
@@ -92,15 +116,7 @@ TlsContext::TlsContext() : context_(SSL_CTX_new(TLS_server_method())), sessions_
   SSL_CTX_set_verify(context, SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT,
                      accept_expired_list);
   SSL_CTX_set_verify_depth(context, kDeepestChain);
-  SSL_CTX_set_ex_data(context, context_index(), this);
-  keep_sessions();
-}
-
-TlsContext::~TlsContext() {
-  // Clients of it may outlive it for a moment.
-  SSL_CTX_sess_set_new_cb(context_.get(), nullptr);
-  SSL_CTX_sess_set_get_cb(context_.get(), nullptr);
-  SSL_CTX_sess_set_remove_cb(context_.get(), nullptr);
+  keep_sessions(*context);
 }
 
 Result<std::shared_ptr<TlsContext>, TlsFailure> TlsContext::make(
@@ -194,93 +210,11 @@ std::optional<std::string> TlsContext::objection(X509* certificate, STACK_OF(X50
   return X509_verify_cert_error_string(X509_STORE_CTX_get_error(check.get()));
 }
 
-void TlsContext::forget_session_of(const SSL* ssl) {
-  if (const SSL_SESSION* const session = SSL_get_session(ssl)) {
-    sessions_.forget(id_of(session));
-  }
-}
-
-// Ours instead of OpenSSL's own cache: a session is judged before it is taken up again.
-void TlsContext::keep_sessions() {
-  SSL_CTX* const context = context_.get();
-  constexpr unsigned char kName[] = "mbgate";
-  SSL_CTX_set_session_id_context(context, kName, sizeof kName - 1);
-  SSL_CTX_set_session_cache_mode(
-      context, SSL_SESS_CACHE_SERVER | SSL_SESS_CACHE_NO_INTERNAL | SSL_SESS_CACHE_NO_AUTO_CLEAR);
-  SSL_CTX_set_timeout(context, kSessionSeconds);
-  SSL_CTX_set_num_tickets(context, 1);  // TLS 1.3: the number of the session, and no more
-  SSL_CTX_sess_set_new_cb(context, session_made);
-  SSL_CTX_sess_set_get_cb(context, session_wanted);
-  SSL_CTX_sess_set_remove_cb(context, session_ended);
-}
-
-TlsContext& TlsContext::of(const SSL_CTX* context) {
-  return *static_cast<TlsContext*>(SSL_CTX_get_ex_data(context, context_index()));
-}
-
-int TlsContext::session_made(SSL* ssl, SSL_SESSION* session) {
-  STACK_OF(X509)* const chain = SSL_get_peer_cert_chain(ssl);
-  of(SSL_get_SSL_CTX(ssl))
-      .sessions_.keep(sys::SessionHandle(session),
-                      sys::ChainHandle(chain == nullptr ? nullptr : X509_chain_up_ref(chain)));
-  return 1;  // the reference is ours
-}
-
-SSL_SESSION* TlsContext::session_wanted(SSL* ssl, const unsigned char* id, int size, int* copy) {
-  TlsContext& context = of(SSL_get_SSL_CTX(ssl));
-  auto* const kept =
-      context.sessions_.find({reinterpret_cast<const char*>(id), static_cast<std::size_t>(size)});
-  if (kept == nullptr) {
-    return nullptr;
-  }
-  X509* const certificate = SSL_SESSION_get0_peer(kept->session.get());
-  if (certificate == nullptr || context.objection(certificate, kept->chain.get())) {
-    context.sessions_.forget(std::string(kept->id));
-    return nullptr;  // a whole handshake, which says why
-  }
-  *copy = 1;
-  return kept->session.get();
-}
-
-void TlsContext::session_ended(SSL_CTX* context, SSL_SESSION* session) {
-  of(context).sessions_.forget(id_of(session));
-}
-
 routing::ClientRole role_in(const X509* certificate) {
   routing::ClientRole role =
       routing::role_of(sys::extensions_of(*certificate, routing::kRoleExtension));
   role.certificate = common_name_in(certificate);
   return role;
-}
-
-std::string id_of(const SSL_SESSION* session) {
-  unsigned int size = 0;
-  const unsigned char* const id = SSL_SESSION_get_id(session, &size);
-  return {id, id + size};
-}
-
-void ResumableSessions::keep(sys::SessionHandle session, sys::ChainHandle chain) {
-  std::string id = id_of(session.get());
-  if (id.empty()) {
-    return;
-  }
-  forget(id);
-  if (kept_.size() >= most_) {
-    forget(std::string(kept_.front().id));
-  }
-  kept_.push_back({id, std::move(session), std::move(chain)});
-  by_id_[std::move(id)] = std::prev(kept_.end());
-}
-
-ResumableSessions::Kept* ResumableSessions::find(std::string_view id) {
-  const auto entry = by_id_.find(std::string(id));
-  return entry == by_id_.end() ? nullptr : &*entry->second;
-}
-
-void ResumableSessions::forget(std::string_view id) {
-  if (const auto entry = by_id_.extract(std::string(id))) {
-    kept_.erase(entry.mapped());
-  }
 }
 
 }  // namespace mbgate::io

@@ -6,15 +6,11 @@
 
 #include <boost/asio/ip/tcp.hpp>
 #include <chrono>
-#include <cstddef>
 #include <cstdint>
-#include <list>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <unordered_map>
 
 #include "bus/instant.hpp"
 #include "gateway/settings.hpp"
@@ -24,33 +20,6 @@
 #include "sys/unique_fd.hpp"
 
 namespace mbgate::io {
-
-/// TLS sessions that their clients may resume (MB-TCP-Security v36, R-42). They are kept only here:
-/// a client gets a number, no ticket. The oldest goes first.
-class ResumableSessions {
- public:
-  struct Kept {
-    std::string id;
-    sys::SessionHandle session;
-    sys::ChainHandle chain;  ///< what the client has shown beside its own certificate
-  };
-
-  explicit ResumableSessions(std::size_t most) : most_(most) {}
-
-  void keep(sys::SessionHandle session, sys::ChainHandle chain);
-  /// nullptr if it is not known (any more).
-  [[nodiscard]] Kept* find(std::string_view id);
-  void forget(std::string_view id);
-  [[nodiscard]] std::size_t size() const { return kept_.size(); }
-
- private:
-  std::size_t most_;
-  std::list<Kept> kept_;  ///< the oldest first
-  std::unordered_map<std::string, std::list<Kept>::iterator> by_id_;
-};
-
-/// The number of a session.
-std::string id_of(const SSL_SESSION* session);
 
 /// Why there is no context. `may_come`: another process is not there yet.
 struct TlsFailure {
@@ -79,7 +48,7 @@ class TlsContext {
                                                               const std::string& signer);
   TlsContext(const TlsContext&) = delete;
   TlsContext& operator=(const TlsContext&) = delete;
-  ~TlsContext();
+  ~TlsContext() = default;
 
   /// For one client. What it has of the private key goes with SSL_certs_clear().
   [[nodiscard]] sys::SslHandle new_ssl() const;
@@ -90,8 +59,6 @@ class TlsContext {
   std::optional<std::string> objection(X509* certificate, STACK_OF(X509) * chain) const;
   [[nodiscard]] const TlsDates& dates() const { return dates_; }
   [[nodiscard]] const TlsContents& contents() const { return contents_; }
-  /// Its session must not be taken up again.
-  void forget_session_of(const SSL* ssl);
 
  private:
   TlsContext();
@@ -99,15 +66,9 @@ class TlsContext {
   std::optional<std::string> take_certificate(const std::string& path);
   std::optional<std::string> take_trust(const gateway::TlsSettings& settings);
   std::optional<TlsFailure> take_key(const std::string& signer, const std::string& key);
-  void keep_sessions();
-  static TlsContext& of(const SSL_CTX* context);
-  static int session_made(SSL* ssl, SSL_SESSION* session);
-  static SSL_SESSION* session_wanted(SSL* ssl, const unsigned char* id, int size, int* copy);
-  static void session_ended(SSL_CTX* context, SSL_SESSION* session);
 
   sys::ContextHandle context_;
   sys::KeyHandle key_;
-  ResumableSessions sessions_;
   TlsDates dates_{};
   TlsContents contents_{};
 };

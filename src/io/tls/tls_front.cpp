@@ -24,14 +24,14 @@ TlsFront::TlsFront(boost::asio::io_context& home, TlsEvents& events)
       work_(io_.get_executor()),
       hangups_(io_,
                [this](std::uint64_t key, Hangup /*hangup*/) {
-                 if (const auto entry = clients_.find(key); entry != clients_.end()) {
-                   entry->second.client->end();
+                 if (const auto client = client_of(key)) {
+                   client->end();
                  }
                }),
       closings_(io_,
                 [this](std::uint64_t key, Hangup /*hangup*/) {
-                  if (const auto entry = clients_.find(key); entry != clients_.end()) {
-                    entry->second.client->linger();
+                  if (const auto client = client_of(key)) {
+                    client->linger();
                   }
                 }),
       heartbeat_(io_, [this] { look_for_stall(); }),
@@ -58,15 +58,22 @@ void TlsFront::tell(Told told) {
   boost::asio::post(home_, [&events = events_, told = std::move(told)]() mutable { told(events); });
 }
 
+void TlsFront::refuse(const TlsPlace& place, const std::string& why) {
+  tell([place, why](TlsEvents& events) { events.tls_refused(place, why); });
+}
+
+std::shared_ptr<TlsClient> TlsFront::client_of(std::uint64_t key) const {
+  const auto entry = clients_.find(key);
+  return entry == clients_.end() ? nullptr : entry->second.client;
+}
+
 void TlsFront::take(TlsCandidate candidate) {
   boost::asio::post(io_, [this, candidate = std::move(candidate)]() mutable {
     boost::asio::ip::tcp::socket socket(io_);
     boost::system::error_code error;
     socket.assign(candidate.protocol, candidate.socket.get(), error);
     if (error || is_ending_) {
-      tell([place = candidate.place, why = error.message()](TlsEvents& events) {
-        events.tls_refused(place, why);
-      });
+      refuse(candidate.place, error.message());
       return;
     }
     candidate.socket.release();
@@ -81,33 +88,28 @@ void TlsFront::take(TlsCandidate candidate) {
 
 void TlsFront::let_go(std::uint64_t handshake, std::string why) {
   boost::asio::post(io_, [this, handshake, why = std::move(why)] {
-    const auto entry = clients_.find(handshake);
-    if (entry != clients_.end() && !entry->second.client->has_greeted()) {
-      entry->second.client->end(why);
+    const auto client = client_of(handshake);
+    if (client && !client->has_greeted()) {
+      client->end(why);
     }
   });
 }
 
-std::function<void()> TlsFront::teller_of_greeting(const TlsPlace& place) {
-  return [this, place] { tell([place](TlsEvents& events) { events.tls_greeted(place); }); };
-}
-
 boost::asio::awaitable<void> TlsFront::serve(std::uint64_t key, gateway::HandshakeSettings limits) {
-  const std::shared_ptr<TlsClient> client = clients_[key].client;
-  const auto failure =
-      co_await TlsClient::shake_hands(client, limits, teller_of_greeting(clients_[key].place));
+  Entry& entry = clients_[key];
+  const std::shared_ptr<TlsClient> client = entry.client;
+  const std::function<void()> greeted = [this, place = entry.place] {
+    tell([place](TlsEvents& events) { events.tls_greeted(place); });
+  };
+  const auto failure = co_await client->shake_hands(limits, greeted);
   look_for_stall();
   if (failure) {
-    co_await TlsClient::drain_and_end(client);  // it still counts among those that shake hands
-    tell([place = clients_[key].place, why = *failure](TlsEvents& events) {
-      events.tls_refused(place, "no TLS handshake: " + why);
-    });
-  } else if (hand_over(clients_[key])) {
-    co_await TlsClient::carry(client);
+    co_await client->drain_and_end();  // it still counts among those that shake hands
+    refuse(entry.place, "no TLS handshake: " + *failure);
+  } else if (hand_over(entry)) {
+    co_await client->carry();
     if (!client->complaint().empty()) {
-      tell([place = clients_[key].place, why = client->complaint()](TlsEvents& events) {
-        events.tls_refused(place, "its TLS was ended: " + why);
-      });
+      refuse(entry.place, "its TLS was ended: " + client->complaint());
     }
   }
   forget(key);
@@ -115,16 +117,12 @@ boost::asio::awaitable<void> TlsFront::serve(std::uint64_t key, gateway::Handsha
 
 // A reload may have come during the handshake, which went by what was in force at its begin.
 bool TlsFront::hand_over(Entry& entry) {
-  if (const auto why = objection(entry)) {
-    tell([place = entry.place, why = *why](TlsEvents& events) { events.tls_refused(place, why); });
-    entry.client->end();
+  if (!judge(entry)) {
     return false;
   }
   TlsArrival arrival{entry.place, entry.client->make_pair(), entry.client->role()};
   if (!arrival.socket.is_open()) {
-    tell([place = entry.place](TlsEvents& events) {
-      events.tls_refused(place, "no file descriptor is left for it");
-    });
+    refuse(entry.place, "no file descriptor is left for it");
     entry.client->end();
     return false;
   }
@@ -145,33 +143,26 @@ void TlsFront::judge_again(ListenerContexts contexts) {
         old->drop_key();
       }
     }
-    judge_all();
+    for (const auto& [key, entry] : clients_) {
+      if (entry.client->has_pair()) {
+        judge(entry);
+      }
+    }
   });
 }
 
-void TlsFront::judge_all() {
-  for (const auto& [key, entry] : clients_) {
-    if (!entry.client->has_pair()) {
-      continue;
+bool TlsFront::judge(const Entry& entry) {
+  std::string why = "its listener has no TLS any more";
+  if (const auto context = contexts_.find(entry.place.listener); context != contexts_.end()) {
+    const auto objection = entry.client->objection(*context->second);
+    if (!objection) {
+      return true;
     }
-    if (const auto why = objection(entry)) {
-      tell(
-          [place = entry.place, why = *why](TlsEvents& events) { events.tls_refused(place, why); });
-      entry.client->end();
-    }
+    why = "its certificate is not accepted any more: " + *objection;
   }
-}
-
-std::optional<std::string> TlsFront::objection(const Entry& entry) const {
-  const auto context = contexts_.find(entry.place.listener);
-  if (context == contexts_.end()) {
-    return "its listener has no TLS any more";
-  }
-  auto why = entry.client->objection(*context->second);
-  if (why) {
-    why->insert(0, "its certificate is not accepted any more: ");
-  }
-  return why;
+  refuse(entry.place, why);
+  entry.client->end();
+  return false;
 }
 
 // Before anything goes on that has waited meanwhile.

@@ -10,7 +10,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <thread>
 
@@ -47,12 +46,13 @@ class TlsFront {
 
   void run();
   boost::asio::awaitable<void> serve(std::uint64_t key, gateway::HandshakeSettings limits);
-  std::function<void()> teller_of_greeting(const TlsPlace& place);
   /// Hands a client that has shaken hands to the machine. False: it cannot be.
   bool hand_over(Entry& entry);
-  void judge_all();
-  /// Why the settings in force do not accept it; nothing: they do.
-  [[nodiscard]] std::optional<std::string> objection(const Entry& entry) const;
+  /// Do the settings in force accept it? Else it is ended, and the machine hears why.
+  bool judge(const Entry& entry);
+  void refuse(const TlsPlace& place, const std::string& why);
+  /// nullptr: it has gone.
+  [[nodiscard]] std::shared_ptr<TlsClient> client_of(std::uint64_t key) const;
   void look_for_stall();
   void forget(std::uint64_t key);
   void finish();

@@ -7,7 +7,6 @@
 #include <array>
 #include <chrono>
 #include <fmt/core.h>
-#include <mutex>
 #include <optional>
 #include <system_error>
 #include <thread>
@@ -20,12 +19,6 @@
 #include "sys/tls_stream.hpp"
 
 namespace mbgate::io {
-
-struct TlsUplink::Shared {
-  std::mutex mutex;
-  std::string why;  ///< under the mutex
-};
-
 namespace {
 
 using Wrong = std::optional<std::string>;
@@ -147,34 +140,29 @@ std::string run_uplink(int server, int line, const bus::TlsPeer& peer) {
 
 }  // namespace
 
-TlsUplink::TlsUplink(std::shared_ptr<Shared> shared, sys::UniqueFd line_end)
-    : shared_(std::move(shared)), line_end_(std::move(line_end)) {}
-
-std::unique_ptr<TlsUplink> TlsUplink::start(sys::UniqueFd server, bus::TlsPeer peer) {
+std::optional<TlsUplink> TlsUplink::start(sys::UniqueFd server, bus::TlsPeer peer) {
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends.data()) != 0) {
-    return nullptr;
+    return std::nullopt;
   }
   sys::UniqueFd line_end(ends[0]);
   sys::UniqueFd our_end(ends[1]);
-  auto shared = std::make_shared<Shared>();
+  std::promise<std::string> promise;
+  std::shared_future<std::string> ended = promise.get_future().share();
   try {
-    std::thread([shared, server = std::move(server), our_end = std::move(our_end),
-                 peer = std::move(peer)] {
+    std::thread([promise = std::move(promise), server = std::move(server),
+                 our_end = std::move(our_end), peer = std::move(peer)]() mutable {
       block_signals();
-      std::string why = run_uplink(server.get(), our_end.get(), peer);
-      const std::lock_guard lock(shared->mutex);
-      shared->why = std::move(why);
+      promise.set_value(run_uplink(server.get(), our_end.get(), peer));
     }).detach();
   } catch (const std::system_error&) {
-    return nullptr;
+    return std::nullopt;
   }
-  return std::unique_ptr<TlsUplink>(new TlsUplink(std::move(shared), std::move(line_end)));
+  return TlsUplink(std::move(line_end), std::move(ended));
 }
 
 std::string TlsUplink::why() const {
-  const std::lock_guard lock(shared_->mutex);
-  return shared_->why;
+  return ended_.wait_for(std::chrono::seconds(0)) == std::future_status::ready ? ended_.get() : "";
 }
 
 }  // namespace mbgate::io

@@ -10,8 +10,10 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <future>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "bus/settings.hpp"
 #include "sys/unique_fd.hpp"
@@ -22,12 +24,9 @@ class TlsUplink {
  public:
   static constexpr std::uint8_t kReady = 0x01;
 
-  /// `server` is connected. Nothing if there can be no thread or no pair of sockets.
-  static std::unique_ptr<TlsUplink> start(sys::UniqueFd server, bus::TlsPeer peer);
-  TlsUplink(const TlsUplink&) = delete;
-  TlsUplink& operator=(const TlsUplink&) = delete;
-  /// Does not wait; the thread ends by itself as soon as the line's end is closed.
-  ~TlsUplink() = default;
+  /// `server` is connected. Nothing if there can be no thread or no pair of sockets. The thread
+  /// ends by itself as soon as the line's end is closed.
+  static std::optional<TlsUplink> start(sys::UniqueFd server, bus::TlsPeer peer);
 
   /// The line's end of the pair; the caller's from then on. It does not block.
   [[nodiscard]] sys::UniqueFd take_line_end() { return std::move(line_end_); }
@@ -36,11 +35,11 @@ class TlsUplink {
   [[nodiscard]] std::string why() const;
 
  private:
-  struct Shared;
-  TlsUplink(std::shared_ptr<Shared> shared, sys::UniqueFd line_end);
+  TlsUplink(sys::UniqueFd line_end, std::shared_future<std::string> ended)
+      : line_end_(std::move(line_end)), ended_(std::move(ended)) {}
 
-  std::shared_ptr<Shared> shared_;
   sys::UniqueFd line_end_;
+  std::shared_future<std::string> ended_;
 };
 
 }  // namespace mbgate::io

@@ -97,20 +97,5 @@ TEST_F(TlsContextTest, KnowsDatesBeyondItsClock) {
   EXPECT_LT(dates("15001231235959Z").certificate_ends, now);
 }
 
-TEST(ResumableSessions, KeepTheNewest) {
-  ResumableSessions sessions(2);
-  for (const char* id : {"a", "b", "c"}) {
-    sys::SessionHandle session(SSL_SESSION_new());
-    SSL_SESSION_set1_id(session.get(), reinterpret_cast<const unsigned char*>(id), 1);
-    sessions.keep(std::move(session), nullptr);
-  }
-  EXPECT_EQ(sessions.size(), 2U);
-  EXPECT_EQ(sessions.find("a"), nullptr);
-  ASSERT_NE(sessions.find("b"), nullptr);
-  sessions.forget("b");
-  EXPECT_EQ(sessions.find("b"), nullptr);
-  EXPECT_NE(sessions.find("c"), nullptr);
-}
-
 }  // namespace
 }  // namespace mbgate::io
