@@ -86,7 +86,7 @@ std::optional<Action> Gateway::poll_action() {
 }
 
 std::optional<Wake> Gateway::next_wake() const {
-  auto judgement = bus::earlier(clients_.next_deadline(), stop_deadline_);
+  auto judgement = bus::earlier(clients_.sessions().next_look(), stop_deadline_);
   if (!stopping_) {
     judgement = bus::earlier(judgement, failsafe_.next());
   }

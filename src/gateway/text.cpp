@@ -167,10 +167,9 @@ struct Names {
     const std::string name = settings.device_name(id, address);
     return name.empty() ? fmt::format("{}: address {}", bus(id), address) : "device " + name;
   }
-  template <typename ClientEvent>
-  std::string client(const ClientEvent& event) const {
-    return fmt::format("listener {}: client {}", settings.listener(event.listener).name,
-                       event.address.to_text());
+  [[nodiscard]] std::string client(const Asker& who) const {
+    return fmt::format("listener {}: client {}", settings.listener(who.listener).name,
+                       who.address.to_text());
   }
   [[nodiscard]] std::string asker(const Asker& who) const {
     return client(who) + identity_text(who);

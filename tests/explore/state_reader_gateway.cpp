@@ -40,13 +40,11 @@ void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
 }
 
 void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Hash& hash) {
-  // The gateway's: settings, exchanges, actions. Of the requests there are only counters
-  // beyond these.
-  auto& [settings, exchanges, actions, sessions, intake, admission, requests] = clients;
-  // Beyond these too: clients come at the start only, and may ask as often as they like: limits.
-  // Told only: logins.
-  [[maybe_unused]] auto& [its_settings, its_exchanges, its_failsafe, its_sessions, its_actions,
-                          limits, logins] = admission;
+  // The gateway's: settings, exchanges, failsafe, actions. Of the requests there are only counters
+  // beyond these. Clients come at the start only, and may ask as often as they like: limits. Told
+  // only: logins.
+  [[maybe_unused]] auto& [settings, exchanges, failsafe, actions, sessions, intake, requests,
+                          limits, logins] = clients;
   // Of the intake: the phase is as far as the gateway has come; counted or told only: counters,
   // denials, unrouted_reported. Dealt with: request. The same settings all the time: changed_at.
   // No rules: access.

@@ -22,8 +22,7 @@ Intake::Front Intake::front(ClientSession& session) {
       notice_rtu(session, session.input.bytes());
       ++counters_.framing_lost;
       if (!session.speaks_rtu_reported) {
-        actions_.push(Report{ClientFramingLost{{session.info().listener, session.info().address},
-                                               lost->length,
+        actions_.push(Report{ClientFramingLost{asker_of(session.info()), lost->length,
                                                modbus::other_protocol(session.input.bytes())}});
       }
       return {.framing_lost = true};
@@ -172,8 +171,7 @@ void Intake::notice_unrouted(const ClientSession& session, const Request& reques
                            request.refused != ExceptionCode::server_device_busy;
   if (is_unrouted && unrouted_reported_.size() < kUnroutedTold &&
       unrouted_reported_.emplace(info.listener, info.address).second) {
-    actions_.push(Report{UnitNotRouted{{info.listener, info.address},
-                                       request.adu.header.unit,
+    actions_.push(Report{UnitNotRouted{asker_of(info), request.adu.header.unit,
                                        settings_.in_force().routes.units(info.listener)}});
   }
 }
@@ -216,7 +214,7 @@ void Intake::notice_denied(const ClientSession& session, const Request& request,
 void Intake::notice_rtu(ClientSession& session, modbus::Bytes stream) {
   if (!session.speaks_rtu_reported && modbus::looks_like_rtu(stream)) {
     session.speaks_rtu_reported = true;
-    actions_.push(Report{ClientSpeaksRtu{{session.info().listener, session.info().address}}});
+    actions_.push(Report{ClientSpeaksRtu{asker_of(session.info())}});
   }
 }
 

@@ -23,7 +23,7 @@ std::optional<WaitingClient> most_waiting(const bus::Bus& bus, const Sessions& s
   if (address == nullptr) {  // it may have gone: stops are sent all the same
     return std::nullopt;
   }
-  const bool others_ask = sessions.any([&](const ClientSession& client) {
+  const bool others_ask = std::ranges::any_of(sessions.open(), [&](const ClientSession& client) {
     return client.requests > 0 && client.info().address != *address;
   });
   return WaitingClient{address->to_text(), most->requests, most->of, now - most->since, others_ask};
@@ -164,11 +164,11 @@ StatusReport make_status_report(const StatusSources& sources, Duration uptime, I
     }
   }
   if (with_clients) {
-    sources.sessions.for_each([&](const ClientSession& client) {
+    for (const ClientSession& client : sources.sessions.open()) {
       report.clients.push_back({client.info().address.to_text(),
                                 settings.listener(client.info().listener).name, client.requests,
                                 client.refused, client.answers.outstanding()});
-    });
+    }
   }
   return report;
 }
