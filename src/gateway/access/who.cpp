@@ -104,9 +104,9 @@ WhoAnswer by_writer(const SettingsSnapshot& settings, const ClientInfo& client,
                     const routing::Plan& plan, ExceptionCode code) {
   for (const auto& transaction : plan.transactions()) {
     for (const std::size_t place : settings.devices.reached_by(transaction)) {
-      const DeviceGuard* guard = settings.guard(place);
-      if (guard != nullptr && guard->writer == WriterRule::listed &&
-          !guard->writers.contains(client.address, client.role)) {
+      const DeviceGuard& guard = settings.guard(place);
+      if (guard.writer == WriterRule::listed &&
+          !guard.writers.contains(client.address, client.role)) {
         return denied("writer of device " + settings.settings.devices[place].name, code,
                       DenyingKey{KeyName::writer, place});
       }

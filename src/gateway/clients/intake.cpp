@@ -156,10 +156,10 @@ void Intake::adopt(const SettingsSnapshot& before, Instant now) {
   access_.forget_rates();
   for (std::size_t listener = 0; listener < before.settings.listeners.size(); ++listener) {
     for (unsigned unit = 0; unit <= std::numeric_limits<std::uint8_t>::max(); ++unit) {
-      const auto id = static_cast<ListenerId>(listener);
-      const auto number = static_cast<std::uint8_t>(unit);
-      if (unit_means_otherwise(id, number, before, settings_.in_force())) {
-        changed_at_[{id, number}] = now;
+      const UnitOfListener place{static_cast<ListenerId>(listener),
+                                 static_cast<std::uint8_t>(unit)};
+      if (unit_means_otherwise(place, before, settings_.in_force())) {
+        changed_at_[place] = now;
       }
     }
   }

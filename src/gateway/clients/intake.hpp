@@ -94,7 +94,7 @@ class Intake {
   DenialReports denials_;
   std::set<std::pair<ListenerId, routing::ClientAddress>> unrouted_reported_;
   /// When a unit of a listener came to mean something else.
-  std::map<std::pair<ListenerId, std::uint8_t>, Instant> changed_at_;
+  std::map<UnitOfListener, Instant> changed_at_;
 };
 
 }  // namespace mbgate::gateway

@@ -224,7 +224,7 @@ void Requests::end_withdrawn(const ClientSession& session, Instant now) {
 
 void Requests::end_outdated(const ClientSession& session, const SettingsSnapshot& before) {
   for (const std::uint32_t held : session.held) {
-    if (unit_means_otherwise(session.info().listener, exchanges_[held].header.unit, before,
+    if (unit_means_otherwise({session.info().listener, exchanges_[held].header.unit}, before,
                              settings_.in_force())) {
       exchanges_.cancel(held);
     }
