@@ -96,7 +96,8 @@ std::optional<Wake> Gateway::next_wake() const {
 void Gateway::set_traced(bool traced) {
   trace_.set_on(traced);
   if (traced) {
-    trace_.begin_amid(buses_.in_flight());
+    buses_.for_each(
+        [this](BusId id, const bus::Bus& it) { trace_.begin_amid(id, it.view().in_flight()); });
   }
   buses_.set_traced(traced);
 }
