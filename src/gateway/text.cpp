@@ -11,13 +11,10 @@
 
 #include "gateway/event.hpp"
 #include "gateway/status/findings.hpp"
+#include "modbus/describe.hpp"
 
 namespace mbgate::gateway {
 namespace {
-
-std::string what_of(modbus::Table table) {
-  return table == modbus::Table::coils ? "coils " : "holding registers ";
-}
 
 std::string left_out_text(std::uint64_t left_out, const char* what) {
   return left_out == 0
@@ -246,9 +243,9 @@ struct EventText {
                    : " has written its communication registers");
   }
   std::string operator()(const WriteEndedEarly& e) const {
-    return fmt::format("{}: a write of {}{} to {} ended early; written up to {}",
-                       names.device(e.bus, e.address), what_of(e.table), e.first, e.end - 1,
-                       e.failed - 1);
+    return fmt::format("{}: a write of {} {} to {} ended early; written up to {}",
+                       names.device(e.bus, e.address), modbus::table_name(e.table), e.first,
+                       e.end - 1, e.failed - 1);
   }
   std::string operator()(const WordOrderDiffers& e) const {
     return names.device(e.bus, e.address) +
