@@ -61,11 +61,11 @@ class Request {
   explicit Request(const Pdu& pdu) : pdu_(pdu) {}
   std::optional<ExceptionCode> parse_fields();
   std::optional<ExceptionCode> parse_reads(Table table, std::uint16_t limit);
-  std::optional<ExceptionCode> parse_single_write(Table table);
+  /// One register or coil, in a request of a fixed size.
+  std::optional<ExceptionCode> parse_one(std::optional<AddressField>& field, Table table,
+                                         std::size_t size);
   std::optional<ExceptionCode> parse_multiple_write(Table table, std::uint16_t limit);
-  std::optional<ExceptionCode> parse_mask_write();
   std::optional<ExceptionCode> parse_read_write();
-  std::optional<ExceptionCode> parse_fifo();
 
   Pdu pdu_;
   std::optional<AddressField> reads_;
