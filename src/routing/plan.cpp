@@ -101,13 +101,8 @@ Result<Plan, ExceptionCode> Plan::make_denied(const ResolvedRoute& resolved, std
   if (!client_request) {
     return client_request.error();
   }
-  return make(resolved, unit, *client_request);
-}
-
-// One object is returned, and built where it is needed: a plan is large.
-Result<Plan, ExceptionCode> Plan::make(const ResolvedRoute& resolved, std::uint8_t unit,
-                                       const Request& client_request) {
-  Result<Plan, ExceptionCode> made{Plan(client_request)};
+  // One object is returned, and built where it is needed: a plan is large.
+  Result<Plan, ExceptionCode> made{Plan(*client_request)};
   if (const auto error = made->fill(resolved, unit)) {
     made = *error;
   }
