@@ -89,8 +89,7 @@ WhoAnswer unplanned(const SettingsSnapshot& settings, const routing::ResolvedRou
   if (!request) {
     return denied("the standard: the request is malformed", code);
   }
-  const auto& windows = resolved.route.windows;
-  if (!windows.empty() && !routing::through_windows(windows, *request)) {
+  if (!routing::through_windows(resolved.route.windows, *request)) {
     return denied(fmt::format("the windows (registers) of the route of unit {}", unit), code,
                   key_of_route(settings, resolved.route, KeyName::windows));
   }
