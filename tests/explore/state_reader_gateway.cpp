@@ -51,10 +51,9 @@ void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Has
   [[maybe_unused]] auto& [of_settings, of_rules, of_actions, phase, request, counters, access,
                           denials, unrouted_reported, changed_at] = intake;
   require(changed_at.empty(), "the settings stay the same");
-  // Only with partial requests or idle timeouts: timers. As many as there are clients: on_listener,
-  // addresses, free_keys. Counted only: of_listeners.
-  auto& [in_force, by_number, closed, ready, timers, on_listener, of_listeners, addresses,
-         free_keys] = sessions;
+  // Only with partial requests or idle timeouts: timers. As many as there are clients: addresses,
+  // free_keys. Counted only: of_listeners.
+  auto& [in_force, by_number, closed, ready, timers, of_listeners, addresses, free_keys] = sessions;
   require(closed.empty() && ready.empty() && timers.empty(), "nothing is left to do");
   hash.add(by_number.size());
   for (std::uint64_t client = 1; client <= by_number.size(); ++client) {

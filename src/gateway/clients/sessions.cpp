@@ -59,8 +59,12 @@ ClientSession* to_displace(Sessions& sessions, ListenerId listener, const Client
 }
 
 bool Sessions::is_full(ListenerId listener) const {
-  return on_listener_[static_cast<std::size_t>(listener)] >=
-         settings_->listener(listener).max_connections;
+  return on(listener) >= settings_->listener(listener).max_connections;
+}
+
+std::size_t Sessions::on(ListenerId listener) const {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      open(), [&](const ClientSession& it) { return it.info().listener == listener; }));
 }
 
 ClientSession* Sessions::add(ClientId client, const ClientInfo& info, Instant now) {
@@ -69,7 +73,6 @@ ClientSession* Sessions::add(ClientId client, const ClientInfo& info, Instant no
   if (!added) {
     return nullptr;
   }
-  ++on(info.listener);
   ++counters(info.listener).connections;
   ClientSession& session = entry->second;
   session.turns = &add_connection(session);
@@ -92,7 +95,6 @@ void Sessions::close(ClientSession& session) {
   session.is_closed = true;
   closed_.push_back(session.id());
   timers_.erase({session.timer_at, session.id()});
-  --on(session.info().listener);
   const auto address = addresses_.find(session.key());
   if (--address->second.connections == 0) {
     free_keys_.push_back(address->second.turns.key);
@@ -169,13 +171,10 @@ void Sessions::clear_counters() {
 
 void Sessions::adopt(const Settings& next, Instant now) {
   settings_ = &next;
-  on_listener_.assign(next.listeners.size(), 0);
   counters_.resize(next.listeners.size());
   for (ClientSession& session : open()) {
-    const ListenerId listener = session.info().listener;
-    session.adopt(next.listener(listener));
+    session.adopt(next.listener(session.info().listener));
     session.note_reload(now);
-    ++on(listener);
     wake(session);  // to be served, and looked at by its new times
   }
   for (auto& [key, known] : addresses_) {

@@ -57,9 +57,7 @@ struct ListenerCounters {
 class Sessions {
  public:
   explicit Sessions(const Settings& settings)
-      : settings_(&settings),
-        on_listener_(settings.listeners.size()),
-        counters_(settings.listeners.size()) {}
+      : settings_(&settings), counters_(settings.listeners.size()) {}
 
   [[nodiscard]] bool is_full(ListenerId listener) const;
   /// nullptr if there is one with this number.
@@ -97,9 +95,7 @@ class Sessions {
   ClientSession* take_due(Instant now);
 
   /// Connections to the listener.
-  [[nodiscard]] std::size_t on(ListenerId listener) const {
-    return on_listener_[static_cast<std::size_t>(listener)];
-  }
+  [[nodiscard]] std::size_t on(ListenerId listener) const;
   [[nodiscard]] ListenerCounters& counters(ListenerId listener) {
     return counters_[static_cast<std::size_t>(listener)];
   }
@@ -118,9 +114,6 @@ class Sessions {
     Turns turns;
     std::size_t connections = 0;
   };
-  [[nodiscard]] std::size_t& on(ListenerId listener) {
-    return on_listener_[static_cast<std::size_t>(listener)];
-  }
   const Turns& add_connection(const ClientSession& session);
   [[nodiscard]] unsigned weight_of(const routing::ClientAddress& address) const;
 
@@ -129,7 +122,6 @@ class Sessions {
   std::vector<ClientId> closed_;
   std::vector<ClientId> ready_;
   std::set<std::pair<Instant, ClientId>> timers_;  // one for each client that has one
-  std::vector<std::size_t> on_listener_;
   std::vector<ListenerCounters> counters_;
   std::map<ClientKey, Address> addresses_;
   std::vector<bus::FairnessKey> free_keys_;
