@@ -108,8 +108,9 @@ bool Gateway::meets_deadlines(Instant now) const {
 }
 
 StatusReport Gateway::report_status(Duration uptime, Instant now, bool with_clients) const {
-  return make_status_report({settings(), buses_, clients_.sessions(), clients_.counters()}, uptime,
-                            now, with_clients);
+  return make_status_report(
+      {settings(), buses_, clients_.sessions(), clients_.counters(), now - uptime, now},
+      with_clients);
 }
 
 // Everything that one input set off, until nothing is left. A list of work instead of recursion: an

@@ -60,9 +60,7 @@ class Exchanges {
       : settings_(settings), buses_(buses), actions_(actions) {}
 
   /// A new exchange, with the settings in force. Returns its index.
-  std::uint32_t open();
-  /// The same with a plan.
-  std::uint32_t open(routing::Plan&& plan);
+  std::uint32_t open(std::optional<routing::Plan>&& plan);
   [[nodiscard]] Exchange& operator[](std::uint32_t index) { return exchanges_[index]; }
   /// When the time of a request that arrived at `exchange.arrival` is over.
   [[nodiscard]] Instant deadline_of(const Exchange& exchange) const;

@@ -170,7 +170,7 @@ void FailsafeWrites::send(std::size_t place, Watch& watch, Instant now) {
   for (std::size_t at = 0; at < watch.writes.size(); ++at) {
     Write& write = watch.writes[at];
     if (!write.is_acknowledged) {
-      const std::uint32_t index = write.exchange.emplace(exchanges_.open());
+      const std::uint32_t index = write.exchange.emplace(exchanges_.open(std::nullopt));
       exchanges_[index].client_gone = true;
       bus::Job& job = exchanges_.add_job(index, device.bus, {}, now);
       job.job_class = bus::JobClass::stop;
