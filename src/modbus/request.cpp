@@ -89,16 +89,6 @@ class PduWriter {
   boost::container::static_vector<std::uint8_t, kMaxPduSize> bytes_;
 };
 
-std::uint8_t read_function(Table table) {
-  switch (table) {
-    case Table::coils: return 1;
-    case Table::discrete_inputs: return 2;
-    case Table::holding_registers: return 3;
-    case Table::input_registers: return 4;
-  }
-  return 3;
-}
-
 }  // namespace
 
 Result<Request, ExceptionCode> Request::parse(const Pdu& pdu) {
@@ -231,7 +221,8 @@ Pdu echo_response(const Request& request) {
 }
 
 Request make_read(const TableRange& range) {
-  return PduWriter(read_function(range.table)).add(range).request();
+  const auto function = static_cast<unsigned>(range.table) + 1;  // 01 to 04, in their order
+  return PduWriter(static_cast<std::uint8_t>(function)).add(range).request();
 }
 
 Request make_single_write(Table table, std::uint16_t address, std::uint16_t value) {

@@ -13,7 +13,8 @@
 
 namespace mbgate::modbus {
 
-/// The four primary tables (Application Protocol V1.1b3, 4.3).
+/// The four primary tables (Application Protocol V1.1b3, 4.3), in the order of the functions that
+/// read them.
 enum class Table : std::uint8_t { coils, discrete_inputs, holding_registers, input_registers };
 
 /// Coils and discrete inputs; the others hold registers.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <fmt/core.h>
 
 #include "gateway/trace/trace_record.hpp"
@@ -93,15 +94,8 @@ std::string frame_text(const WireTrace& wire, Bytes bytes, Direction direction) 
 }  // namespace
 
 const char* to_text(WireTrace::Outcome outcome) {
-  switch (outcome) {
-    case WireTrace::Outcome::answered: return "answered";
-    case WireTrace::Outcome::sent: return "sent";
-    case WireTrace::Outcome::no_response: return "no response";
-    case WireTrace::Outcome::damaged: return "damaged";
-    case WireTrace::Outcome::cut: return "cut";
-    case WireTrace::Outcome::unasked: return "unasked";
-  }
-  return "";
+  constexpr std::array kTexts{"answered", "sent", "no response", "damaged", "cut", "unasked"};
+  return kTexts.at(static_cast<std::size_t>(outcome));
 }
 
 const char* to_text(bus::Ending ending, bool was_sent) {
