@@ -129,15 +129,6 @@ WhoAnswer planned(const SettingsSnapshot& settings, const ClientInfo& client, st
   return answer;
 }
 
-WhoAnswer of_own_unit(const SettingsSnapshot& settings, const ClientInfo& client, std::uint8_t unit,
-                      const modbus::Pdu& request, routing::ClientRights rights) {
-  const RuleVerdict verdict = verdict_on(settings, client, unit, request, nullptr);
-  if (verdict.permitted && rights.read_only && !modbus::is_read(request.bytes())) {
-    return by_read_only(settings, client);
-  }
-  return by_verdict(verdict, client);
-}
-
 }  // namespace
 
 WhoAnswer who_may(const SettingsSnapshot& settings, const ClientInfo& client, std::uint8_t unit,
@@ -150,12 +141,14 @@ WhoAnswer who_may(const SettingsSnapshot& settings, const ClientInfo& client, st
     return refused("the access rules: none permits this address anything here");
   }
   const routing::ClientRights rights{listener.read_only.contains(client.address, client.role)};
+  const RuleVerdict verdict = verdict_on(settings, client, unit, request, nullptr);
   if (settings.settings.status_unit == unit) {
-    return of_own_unit(settings, client, unit, request, rights);
+    return verdict.permitted && rights.read_only && !modbus::is_read(request.bytes())
+               ? by_read_only(settings, client)
+               : by_verdict(verdict, client);
   }
   const routing::ResolvedRoute* resolved = settings.routes.find(client.listener, unit);
   if (resolved == nullptr) {
-    const RuleVerdict verdict = verdict_on(settings, client, unit, request, nullptr);
     return verdict.permitted
                ? denied(fmt::format("the routes: unit {} has no route on this listener", unit),
                         ExceptionCode::gateway_path_unavailable)
@@ -168,7 +161,6 @@ WhoAnswer who_may(const SettingsSnapshot& settings, const ClientInfo& client, st
   if (plan) {
     return planned(settings, client, unit, *plan);
   }
-  const RuleVerdict verdict = verdict_on(settings, client, unit, request, nullptr);
   return verdict.permitted ? unplanned(settings, *resolved, plan.error(), unit, request)
                            : by_verdict(verdict, client);
 }

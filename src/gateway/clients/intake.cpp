@@ -106,7 +106,13 @@ void Intake::judge(const ClientSession& session, Request& request, Instant now) 
     if (request.plan) {
       request.refused = objection(session, request, now);
     }
-    notice_denied(session, request, now);
+    const auto event =
+        is_denied(session, request, now)
+            ? denials_.note(settings_.in_force(), rules_, session.info(), request.adu, now)
+            : std::nullopt;
+    if (event) {
+      actions_.push(Report{*event});
+    }
   }
   const bool is_limited = (request.plan || request.for_gateway) && !request.is_stop;
   if (is_limited && !request.refused && !access_.take(request.verdict, session.key(), now)) {
@@ -199,16 +205,6 @@ bool Intake::is_denied(const ClientSession& session, const Request& request, Ins
                           !request.route->route.windows.empty();
   return is_read ? routing::denial_of(*request.route, session.rights(), pdu).has_value()
                  : request.refused == ExceptionCode::illegal_function || is_outside;
-}
-
-void Intake::notice_denied(const ClientSession& session, const Request& request, Instant now) {
-  if (is_denied(session, request, now)) {
-    const auto event =
-        denials_.note(settings_.in_force(), rules_, session.info(), request.adu, now);
-    if (event) {
-      actions_.push(Report{*event});
-    }
-  }
 }
 
 void Intake::notice_rtu(ClientSession& session, modbus::Bytes stream) {

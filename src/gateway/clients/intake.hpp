@@ -82,7 +82,6 @@ class Intake {
   void notice_unrouted(const ClientSession& session, const Request& request);
   [[nodiscard]] bool is_denied(const ClientSession& session, const Request& request,
                                Instant now) const;
-  void notice_denied(const ClientSession& session, const Request& request, Instant now);
 
   const SettingsHistory& settings_;
   const WriteRules& rules_;
