@@ -7,13 +7,11 @@
 
 #include "gateway/limits.hpp"
 #include "modbus/describe.hpp"
-#include "modbus/request.hpp"
 
 namespace mbgate::gateway {
 namespace {
 
 using modbus::Bytes;
-using modbus::Table;
 
 /// What could write over other lines or colour a terminal is replaced: the name in a certificate is
 /// written by whoever asked for the certificate.
@@ -29,39 +27,22 @@ std::string quoted(std::string_view name) {
   return text + (name.size() > kToldName ? "...\"" : "\"");
 }
 
-std::string_view name_of(Table table, bool is_one) {
-  switch (table) {
-    case Table::coils: return is_one ? "coil " : "coils ";
-    case Table::discrete_inputs: return is_one ? "discrete input " : "discrete inputs ";
-    case Table::holding_registers: return is_one ? "holding register " : "holding registers ";
-    case Table::input_registers: return is_one ? "input register " : "input registers ";
-  }
-  return "";
-}
-
 std::string range_text(const modbus::TableRange& range) {
-  std::string text(name_of(range.table, range.count == 1));
-  text += std::to_string(range.first);
-  if (range.count > 1) {
-    text += fmt::format("..{}", std::uint32_t{range.first} + range.count - 1);
-  }
-  return text;
-}
-
-/// 22: the bits of the one stay, those of the other are set where they do not (6.16).
-std::string masks_text(Bytes pdu) {
-  return fmt::format(" and {} or {}", modbus::load_be16(pdu, 3), modbus::load_be16(pdu, 5));
+  std::string_view name = modbus::table_name(range.table);
+  name.remove_suffix(range.count == 1 ? 1 : 0);
+  return fmt::format("{} {}", name, modbus::addresses_text(range));
 }
 
 std::string values_text(const modbus::Request& request, const modbus::TableRange& range) {
-  if (request.function() == 0x16) {
-    return masks_text(request.pdu().bytes());
+  // 22: the bits of the one stay, those of the other are set where they do not (6.16).
+  if (const Bytes pdu = request.pdu().bytes(); pdu[0] == 0x16) {
+    return fmt::format(" and {} or {}", modbus::load_be16(pdu, 3), modbus::load_be16(pdu, 5));
   }
   std::string text = " =";
   const auto told = std::min<std::size_t>(range.count, kToldValues);
   for (std::size_t at = 0; at < told; ++at) {
     const auto value = request.written(static_cast<std::uint16_t>(range.first + at)).value_or(0);
-    const bool is_set_coil = range.table == Table::coils && value != 0;
+    const bool is_set_coil = range.table == modbus::Table::coils && value != 0;
     text += fmt::format(" {}", is_set_coil ? 1 : value);
   }
   return range.count > told ? fmt::format("{} and {} more", text, range.count - told) : text;

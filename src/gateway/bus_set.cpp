@@ -117,16 +117,6 @@ void BusSet::set_traced(bool traced) {
   }
 }
 
-std::vector<std::pair<BusId, std::size_t>> BusSet::in_flight() const {
-  std::vector<std::pair<BusId, std::size_t>> busy;
-  for_each([&](BusId id, const bus::Bus& it) {
-    if (it.view().in_flight() > 0) {
-      busy.emplace_back(id, it.view().in_flight());
-    }
-  });
-  return busy;
-}
-
 std::vector<BusSet::GivenUp> BusSet::adopt(const Settings& old, const Settings& next, Instant now) {
   std::vector<GivenUp> given_up;
   for (std::size_t place = 0; place < buses_.size(); ++place) {

@@ -52,8 +52,15 @@ class BusSet {
   void clear_counters();
   /// Each transmission is told, of buses to come too.
   void set_traced(bool traced);
-  /// Buses with transmissions on the wire, and how many.
-  [[nodiscard]] std::vector<std::pair<BusId, std::size_t>> in_flight() const;
+  /// Calls `visit` with the number of each bus, and the bus.
+  template <typename Visit>
+  void for_each(Visit visit) const {
+    for (std::size_t place = 0; place < buses_.size(); ++place) {
+      if (buses_[place].bus != nullptr) {
+        visit(id_of(place), *buses_[place].bus);
+      }
+    }
+  }
 
   /// A bus that is not in the new settings, or gets another line there.
   struct GivenUp {
@@ -70,14 +77,6 @@ class BusSet {
     bool touched = false;
   };
   void begin(BusId id, const Settings& settings);
-  template <typename Visit>
-  void for_each(Visit visit) const {
-    for (std::size_t place = 0; place < buses_.size(); ++place) {
-      if (buses_[place].bus != nullptr) {
-        visit(id_of(place), *buses_[place].bus);
-      }
-    }
-  }
   [[nodiscard]] BusId id_of(std::size_t place) const {
     return BusId{static_cast<std::uint32_t>(place)};
   }

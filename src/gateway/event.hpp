@@ -41,30 +41,25 @@ struct AdapterSilent {
 struct ConnectionReplaced {
   BusId bus;
 };
-/// Of a client on one of the listeners.
-struct ClientEvent {
-  ListenerId listener;
-  routing::ClientAddress address;
-};
-struct ClientRefused : ClientEvent {
+struct ClientRefused : Asker {
   RefusalReason reason;
 };
 /// Closed to make room for a new connection.
-struct ClientDisplaced : ClientEvent {
+struct ClientDisplaced : Asker {
   RefusalReason limit;  ///< full or address_full
 };
 /// It sends more than max_requests_per_second: what is beyond gets 06. Reported once a minute for
 /// each client.
-struct ClientOverRate : ClientEvent {};
+struct ClientOverRate : Asker {};
 /// An impossible length in an MBAP header: the framing of the stream is lost.
-struct ClientFramingLost : ClientEvent {
+struct ClientFramingLost : Asker {
   std::uint16_t length;
   std::string_view sends{};  ///< modbus::other_protocol()
 };
 /// Bytes that look like an RTU frame came in on the TCP port.
-struct ClientSpeaksRtu : ClientEvent {};
+struct ClientSpeaksRtu : Asker {};
 /// A partial ADU older than frame_timeout.
-struct ClientFrameTimedOut : ClientEvent {};
+struct ClientFrameTimedOut : Asker {};
 /// A fault of the line itself was noticed.
 struct LineNews {
   BusId bus;
@@ -129,7 +124,7 @@ struct FailsafeNews {
   FailsafeOutcome outcome;
 };
 /// A client asks for a unit that has no route. Reported once for each client.
-struct UnitNotRouted : ClientEvent {
+struct UnitNotRouted : Asker {
   std::uint8_t unit;
   std::bitset<256> routed;  ///< the units that have a route on this listener
 };

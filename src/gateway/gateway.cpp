@@ -86,7 +86,7 @@ std::optional<Action> Gateway::poll_action() {
 }
 
 std::optional<Wake> Gateway::next_wake() const {
-  auto judgement = bus::earlier(clients_.next_deadline(), stop_deadline_);
+  auto judgement = bus::earlier(clients_.sessions().next_look(), stop_deadline_);
   if (!stopping_) {
     judgement = bus::earlier(judgement, failsafe_.next());
   }
@@ -96,7 +96,8 @@ std::optional<Wake> Gateway::next_wake() const {
 void Gateway::set_traced(bool traced) {
   trace_.set_on(traced);
   if (traced) {
-    trace_.begin_amid(buses_.in_flight());
+    buses_.for_each(
+        [this](BusId id, const bus::Bus& it) { trace_.begin_amid(id, it.view().in_flight()); });
   }
   buses_.set_traced(traced);
 }
@@ -107,8 +108,9 @@ bool Gateway::meets_deadlines(Instant now) const {
 }
 
 StatusReport Gateway::report_status(Duration uptime, Instant now, bool with_clients) const {
-  return make_status_report({settings(), buses_, clients_.sessions(), clients_.counters()}, uptime,
-                            now, with_clients);
+  return make_status_report(
+      {settings(), buses_, clients_.sessions(), clients_.counters(), now - uptime, now},
+      with_clients);
 }
 
 // Everything that one input set off, until nothing is left. A list of work instead of recursion: an

@@ -40,7 +40,7 @@ class Gateway {
   [[nodiscard]] std::optional<Wake> next_wake() const;
 
   [[nodiscard]] const Settings& settings() const { return settings_.settings(); }
-  [[nodiscard]] Status status() const { return {clients_.size(), buses_.open_count()}; }
+  [[nodiscard]] Status status() const { return {clients_.sessions().size(), buses_.open_count()}; }
   /// False if what was to be decided at an instant has not been for kOverdue: the driver hangs, or
   /// has forgotten it.
   [[nodiscard]] bool meets_deadlines(Instant now) const;

@@ -43,7 +43,7 @@ void Lines::handle(const LineLost& input, Instant now) {
 void Lines::serve(BusId bus, Instant now) {
   while (const auto action = buses_.poll(bus)) {
     if (trace_.is_on()) {
-      trace(bus, *action, now);
+      trace_.acted(bus, *action, now);
     }
     if (const auto* ended = std::get_if<bus::JobEnded>(&*action)) {
       exchanges_.end(*ended->job, ended->ending);
@@ -82,16 +82,6 @@ void Lines::carry_out(BusId bus, const bus::BusAction& action) {
     report(QualityNews{bus, *quality});
   } else if (const auto* fault = std::get_if<bus::LineNotice>(&action)) {
     report(LineNews{bus, fault->fault});
-  }
-}
-
-void Lines::trace(BusId bus, const bus::BusAction& action, Instant now) {
-  if (const auto* began = std::get_if<bus::TransmissionBegan>(&action)) {
-    trace_.began(bus, *began, now);
-  } else if (const auto* transmit = std::get_if<bus::TransmitFrame>(&action)) {
-    trace_.transmitted(bus, transmit->frame);
-  } else if (const auto* over = std::get_if<bus::TransmissionOver>(&action)) {
-    trace_.over(bus, *over, now);
   }
 }
 

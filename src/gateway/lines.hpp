@@ -43,7 +43,6 @@ class Lines {
  private:
   void serve(BusId bus, Instant now);
   void carry_out(BusId bus, const bus::BusAction& action);
-  void trace(BusId bus, const bus::BusAction& action, Instant now);
   void report(const Event& event) { actions_.push(Report{event}); }
 
   BusSet& buses_;

@@ -34,7 +34,7 @@ std::uint16_t saturated(std::uint64_t value) {
 
 Block head_block(const StatusView& view) {
   Block block{kLayoutVersion, saturated(view.buses.size()), saturated(view.devices.size()),
-              saturated(view.clients)};
+              saturated(view.sessions.size())};
   const auto uptime = std::chrono::floor<std::chrono::seconds>(view.now - view.started);
   put32(block, static_cast<std::uint64_t>(uptime.count()));
   put32(block, view.counters.requests);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "gateway/bus_set.hpp"
+#include "gateway/clients/sessions.hpp"
 #include "modbus/pdu.hpp"
 
 namespace mbgate::gateway {
@@ -23,12 +24,12 @@ struct ClientCounters {
   std::uint64_t framing_lost = 0;
 };
 
-/// The state of the gateway at the moment of a request.
+/// The state of the gateway at an instant.
 struct StatusView {
   const Settings& settings;
   const BusSet& all;
-  std::size_t clients;
-  ClientCounters counters;
+  const Sessions& sessions;
+  const ClientCounters& counters;
   bus::Instant started;
   bus::Instant now;
   std::vector<BusId> buses = settings.written_buses();

@@ -11,13 +11,10 @@
 
 #include "gateway/event.hpp"
 #include "gateway/status/findings.hpp"
+#include "modbus/describe.hpp"
 
 namespace mbgate::gateway {
 namespace {
-
-std::string what_of(modbus::Table table) {
-  return table == modbus::Table::coils ? "coils " : "holding registers ";
-}
 
 std::string left_out_text(std::uint64_t left_out, const char* what) {
   return left_out == 0
@@ -167,10 +164,9 @@ struct Names {
     const std::string name = settings.device_name(id, address);
     return name.empty() ? fmt::format("{}: address {}", bus(id), address) : "device " + name;
   }
-  template <typename ClientEvent>
-  std::string client(const ClientEvent& event) const {
-    return fmt::format("listener {}: client {}", settings.listener(event.listener).name,
-                       event.address.to_text());
+  [[nodiscard]] std::string client(const Asker& who) const {
+    return fmt::format("listener {}: client {}", settings.listener(who.listener).name,
+                       who.address.to_text());
   }
   [[nodiscard]] std::string asker(const Asker& who) const {
     return client(who) + identity_text(who);
@@ -247,9 +243,9 @@ struct EventText {
                    : " has written its communication registers");
   }
   std::string operator()(const WriteEndedEarly& e) const {
-    return fmt::format("{}: a write of {}{} to {} ended early; written up to {}",
-                       names.device(e.bus, e.address), what_of(e.table), e.first, e.end - 1,
-                       e.failed - 1);
+    return fmt::format("{}: a write of {} {} to {} ended early; written up to {}",
+                       names.device(e.bus, e.address), modbus::table_name(e.table), e.first,
+                       e.end - 1, e.failed - 1);
   }
   std::string operator()(const WordOrderDiffers& e) const {
     return names.device(e.bus, e.address) +

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "modbus/describe.hpp"
 
+#include <array>
 #include <fmt/format.h>
 
-#include "modbus/frames.hpp"
 #include "modbus/mbap.hpp"
 #include "modbus/response.hpp"
 
@@ -21,12 +21,6 @@ std::string opaque(Bytes pdu) {
 
 std::string malformed(Bytes pdu) {
   return fmt::format("{}, malformed: {}", name_of(pdu[0]), hex(pdu));
-}
-
-std::string range_text(const TableRange& range) {
-  const unsigned first = range.first;
-  return range.count == 1 ? fmt::format(" {}", first)
-                          : fmt::format(" {}..{}", first, first + range.count - 1U);
 }
 
 std::string registers(Bytes data) {
@@ -56,6 +50,17 @@ std::string body(Bytes pdu, Direction direction) {
 
 }  // namespace
 
+std::string_view table_name(Table table) {
+  constexpr std::array kNames{"coils", "discrete inputs", "holding registers", "input registers"};
+  return kNames.at(static_cast<std::size_t>(table));
+}
+
+std::string addresses_text(const TableRange& range) {
+  const unsigned first = range.first;
+  return range.count == 1 ? std::to_string(first)
+                          : fmt::format("{}..{}", first, first + range.count - 1U);
+}
+
 std::string hex(Bytes bytes) { return fmt::format("{:02X}", fmt::join(bytes, " ")); }
 
 std::string describe_request(Bytes pdu) {
@@ -68,14 +73,16 @@ std::string describe_request(Bytes pdu) {
     return malformed(pdu);
   }
   if (request->function() == 0x17) {
-    return fmt::format("{}, reads{}, writes{}", name_of(pdu[0]),
-                       range_text(request->reads()->range), range_text(request->writes()->range));
+    return fmt::format("{}, reads {}, writes {}", name_of(pdu[0]),
+                       addresses_text(request->reads()->range),
+                       addresses_text(request->writes()->range));
   }
   if (request->reads()) {
-    return name_of(pdu[0]) + range_text(request->reads()->range);
+    return name_of(pdu[0]) + " " + addresses_text(request->reads()->range);
   }
   if (request->writes()) {
-    return name_of(pdu[0]) + range_text(request->writes()->range) + written(*request);
+    return fmt::format("{} {}{}", name_of(pdu[0]), addresses_text(request->writes()->range),
+                       written(*request));
   }
   return opaque(pdu);
 }
@@ -107,12 +114,13 @@ std::string describe_response(Bytes pdu) {
   }
 }
 
+std::string describe_adu(const RtuAdu& adu, Direction direction) {
+  return fmt::format("unit {}: {}", adu.address, body(adu.pdu.bytes(), direction));
+}
+
 std::string describe_rtu(Bytes frame, Direction direction) {
   const auto adu = decode_rtu(frame);
-  if (!adu) {
-    return "not an RTU frame (size or CRC): " + hex(frame);
-  }
-  return fmt::format("unit {}: {}", adu->address, body(adu->pdu.bytes(), direction));
+  return adu ? describe_adu(*adu, direction) : "not an RTU frame (size or CRC): " + hex(frame);
 }
 
 std::string describe_mbap(Bytes adu, Direction direction) {

@@ -3,10 +3,18 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
-#include "modbus/bytes.hpp"
+#include "modbus/frames.hpp"
+#include "modbus/request.hpp"
 
 namespace mbgate::modbus {
+
+/// "holding registers"
+std::string_view table_name(Table table);
+
+/// "30..31", of one address "30".
+std::string addresses_text(const TableRange& range);
 
 /// "01 03 00 1E": upper-case hexadecimal bytes.
 std::string hex(Bytes bytes);
@@ -19,7 +27,10 @@ std::string describe_response(Bytes pdu);
 
 enum class Direction : std::uint8_t { request, response };
 
-/// "unit 1: read holding registers 30..31", or what is wrong with the frame.
+/// "unit 1: read holding registers 30..31", of a frame of a serial line.
+std::string describe_adu(const RtuAdu& adu, Direction direction);
+
+/// The same, or what is wrong with the frame.
 std::string describe_rtu(Bytes frame, Direction direction);
 
 /// "transaction 7 unit 1: read holding registers 30..31", or what is wrong with the ADU.

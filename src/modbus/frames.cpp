@@ -5,6 +5,8 @@
 #include <numeric>
 #include <string_view>
 
+#include "base/text.hpp"
+
 namespace mbgate::modbus {
 namespace {
 
@@ -33,19 +35,6 @@ constexpr std::uint8_t kCarriageReturn = '\r';
 void append_byte(AsciiBytes& frame, std::uint8_t byte) {
   frame.push_back(static_cast<std::uint8_t>(kDigits[byte >> 4U]));
   frame.push_back(static_cast<std::uint8_t>(kDigits[byte & 0xFU]));
-}
-
-std::optional<unsigned> value_of(std::uint8_t character) {
-  if (character >= '0' && character <= '9') {
-    return character - '0';
-  }
-  if (character >= 'A' && character <= 'F') {
-    return character - 'A' + 10;
-  }
-  if (character >= 'a' && character <= 'f') {
-    return character - 'a' + 10;
-  }
-  return std::nullopt;
 }
 
 bool is_framed(Bytes frame) {
@@ -117,12 +106,12 @@ std::optional<AsciiContent> ascii_content(Bytes frame) {
   }
   AsciiContent content;
   for (std::size_t at = 1; at < frame.size() - 2; at += 2) {
-    const auto high = value_of(frame[at]);
-    const auto low = value_of(frame[at + 1]);
-    if (!high || !low) {
+    const std::array pair{static_cast<char>(frame[at]), static_cast<char>(frame[at + 1])};
+    const auto byte = integer_in<std::uint8_t>({pair.data(), pair.size()}, 16);
+    if (!byte) {
       return std::nullopt;
     }
-    content.push_back(static_cast<std::uint8_t>((*high << 4U) | *low));
+    content.push_back(*byte);
   }
   return content;
 }

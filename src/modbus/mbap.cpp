@@ -62,18 +62,15 @@ MbapScan scan_mbap_answer(Bytes stream) {
 }
 
 bool looks_like_rtu(Bytes stream) {
-  constexpr std::size_t kSmallest = 4;
-  constexpr std::size_t kLargest = 256;
-  if (stream.size() < kSmallest || !is_request_function(stream[1])) {
+  if (stream.size() < kMinRtuSize || !is_request_function(stream[1])) {
     return false;
   }
   const auto good_crc = [&](std::size_t size) {
-    return stream.size() >= size &&
-           crc16(stream.first(size)) == 0;  // the CRC of a frame with its CRC is 0
+    return stream.size() >= size && has_good_crc(stream.first(size));
   };
   const bool multiple = stream[1] == 0x0F || stream[1] == 0x10;
   const std::size_t guess = multiple && stream.size() > 6 ? std::size_t{9} + stream[6] : 8;
-  return good_crc(guess) || good_crc(std::min(stream.size(), kLargest));
+  return good_crc(guess) || good_crc(std::min(stream.size(), kMaxRtuSize));
 }
 
 std::string_view other_protocol(Bytes stream) {

@@ -70,6 +70,12 @@ MaybeError check_encapsulated(const Pdu& pdu) {
 
 constexpr std::uint16_t kCoilOn = 0xFF00;
 
+// 05: nothing else than on and off (6.5).
+bool is_coil_value(const Pdu& pdu) {
+  const std::uint16_t value = pdu.size() == 5 ? load_be16(pdu.bytes(), 3) : std::uint16_t{1};
+  return value == 0 || value == kCoilOn;
+}
+
 class PduWriter {
  public:
   explicit PduWriter(std::uint8_t function) { add(function); }
@@ -97,16 +103,6 @@ class PduWriter {
   boost::container::static_vector<std::uint8_t, kMaxPduSize> bytes_;
 };
 
-std::uint8_t read_function(Table table) {
-  switch (table) {
-    case Table::coils: return 1;
-    case Table::discrete_inputs: return 2;
-    case Table::holding_registers: return 3;
-    case Table::input_registers: return 4;
-  }
-  return 3;
-}
-
 }  // namespace
 
 Result<Request, ExceptionCode> Request::parse(const Pdu& pdu) {
@@ -126,8 +122,9 @@ std::optional<ExceptionCode> Request::parse_fields() {
     case 0x02: return parse_reads(Table::discrete_inputs, kMaxReadBits);
     case 0x03: return parse_reads(Table::holding_registers, kMaxReadRegisters);
     case 0x04: return parse_reads(Table::input_registers, kMaxReadRegisters);
-    case 0x05: return parse_single_write(Table::coils);
-    case 0x06: return parse_single_write(Table::holding_registers);
+    case 0x05:
+      return is_coil_value(pdu_) ? parse_one(writes_, Table::coils, 5) : illegal_data_value;
+    case 0x06: return parse_one(writes_, Table::holding_registers, 5);
     case 0x07:
     case 0x0B:
     case 0x0C:
@@ -137,9 +134,9 @@ std::optional<ExceptionCode> Request::parse_fields() {
     case 0x10: return parse_multiple_write(Table::holding_registers, kMaxWriteRegisters);
     case 0x14: return check_file_record(pdu_, 7, 0xF5);
     case 0x15: return check_file_record(pdu_, 9, 0xFB);
-    case 0x16: return parse_mask_write();
+    case 0x16: return parse_one(writes_, Table::holding_registers, 7);
     case 0x17: return parse_read_write();
-    case 0x18: return parse_fifo();
+    case 0x18: return parse_one(reads_, Table::holding_registers, 3);
     case 0x2B: return check_encapsulated(pdu_);
     default: return std::nullopt;
   }
@@ -154,15 +151,12 @@ std::optional<ExceptionCode> Request::parse_reads(Table table, std::uint16_t lim
   return is_quantity(range.count, limit) ? check_addresses(range) : illegal_data_value;
 }
 
-std::optional<ExceptionCode> Request::parse_single_write(Table table) {
-  if (pdu_.size() != 5) {
+std::optional<ExceptionCode> Request::parse_one(std::optional<AddressField>& field, Table table,
+                                                std::size_t size) {
+  if (pdu_.size() != size) {
     return illegal_data_value;
   }
-  const std::uint16_t value = load_be16(pdu_.bytes(), 3);
-  if (table == Table::coils && value != 0x0000 && value != 0xFF00) {
-    return illegal_data_value;
-  }
-  writes_ = AddressField{{table, load_be16(pdu_.bytes(), 1), 1}, 1};
+  field = AddressField{{table, load_be16(pdu_.bytes(), 1), 1}, 1};
   return std::nullopt;
 }
 
@@ -178,14 +172,6 @@ std::optional<ExceptionCode> Request::parse_multiple_write(Table table, std::uin
   }
   writes_ = AddressField{range, 1};
   return is_quantity(range.count, limit) ? check_addresses(range) : illegal_data_value;
-}
-
-std::optional<ExceptionCode> Request::parse_mask_write() {
-  if (pdu_.size() != 7) {
-    return illegal_data_value;
-  }
-  writes_ = AddressField{{Table::holding_registers, load_be16(pdu_.bytes(), 1), 1}, 1};
-  return std::nullopt;
 }
 
 std::optional<ExceptionCode> Request::parse_read_write() {
@@ -207,14 +193,6 @@ std::optional<ExceptionCode> Request::parse_read_write() {
   }
   const auto error = check_addresses(read);
   return error ? error : check_addresses(write);
-}
-
-std::optional<ExceptionCode> Request::parse_fifo() {
-  if (pdu_.size() != 3) {
-    return illegal_data_value;
-  }
-  reads_ = AddressField{{Table::holding_registers, load_be16(pdu_.bytes(), 1), 1}, 1};
-  return std::nullopt;
 }
 
 std::optional<std::uint16_t> Request::written(std::uint16_t address) const {
@@ -257,7 +235,8 @@ Pdu echo_response(const Request& request) {
 }
 
 Request make_read(const TableRange& range) {
-  return PduWriter(read_function(range.table)).add(range).request();
+  const auto function = static_cast<unsigned>(range.table) + 1;  // 01 to 04, in their order
+  return PduWriter(static_cast<std::uint8_t>(function)).add(range).request();
 }
 
 Request make_single_write(Table table, std::uint16_t address, std::uint16_t value) {

@@ -13,7 +13,8 @@
 
 namespace mbgate::modbus {
 
-/// The four primary tables (Application Protocol V1.1b3, 4.3).
+/// The four primary tables (Application Protocol V1.1b3, 4.3), in the order of the functions that
+/// read them.
 enum class Table : std::uint8_t { coils, discrete_inputs, holding_registers, input_registers };
 
 /// Coils and discrete inputs; the others hold registers.
@@ -61,11 +62,11 @@ class Request {
   explicit Request(const Pdu& pdu) : pdu_(pdu) {}
   std::optional<ExceptionCode> parse_fields();
   std::optional<ExceptionCode> parse_reads(Table table, std::uint16_t limit);
-  std::optional<ExceptionCode> parse_single_write(Table table);
+  /// One register or coil, in a request of a fixed size.
+  std::optional<ExceptionCode> parse_one(std::optional<AddressField>& field, Table table,
+                                         std::size_t size);
   std::optional<ExceptionCode> parse_multiple_write(Table table, std::uint16_t limit);
-  std::optional<ExceptionCode> parse_mask_write();
   std::optional<ExceptionCode> parse_read_write();
-  std::optional<ExceptionCode> parse_fifo();
 
   Pdu pdu_;
   std::optional<AddressField> reads_;

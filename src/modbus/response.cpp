@@ -12,9 +12,17 @@ using Kind = PduLength::Kind;
 
 PduLength known(std::size_t bytes) { return {Kind::known, bytes}; }
 
-// The byte count at `offset` counts all that follows it.
-PduLength counted_at(Bytes prefix, std::size_t offset) {
-  return prefix.size() <= offset ? PduLength{Kind::need_more} : known(offset + 1 + prefix[offset]);
+PduLength unknown(Bytes /*prefix*/) { return {Kind::opaque}; }
+
+template <std::size_t Size>
+PduLength fixed(Bytes /*prefix*/) {
+  return known(Size);
+}
+
+// The byte count at this offset counts all that follows it.
+template <std::size_t Offset>
+PduLength counted(Bytes prefix) {
+  return prefix.size() <= Offset ? PduLength{Kind::need_more} : known(Offset + 1 + prefix[Offset]);
 }
 
 // 24: a 16-bit byte count (6.18).
@@ -42,6 +50,42 @@ PduLength identification(Bytes prefix) {
     end += std::size_t{2} + prefix[end + 1];
   }
   return known(end);
+}
+
+/// A function, its name, and how long its requests and responses are.
+struct Function {
+  std::uint8_t code;
+  std::string_view name;
+  PduLength (*request)(Bytes prefix);
+  PduLength (*response)(Bytes prefix);
+};
+
+constexpr Function kFunctions[] = {
+    {0x01, "read coils", fixed<5>, counted<1>},
+    {0x02, "read discrete inputs", fixed<5>, counted<1>},
+    {0x03, "read holding registers", fixed<5>, counted<1>},
+    {0x04, "read input registers", fixed<5>, counted<1>},
+    {0x05, "write single coil", fixed<5>, fixed<5>},
+    {0x06, "write single register", fixed<5>, fixed<5>},
+    {0x07, "read exception status", fixed<1>, fixed<2>},
+    {0x08, "diagnostics", unknown, unknown},
+    {0x0B, "get comm event counter", fixed<1>, fixed<5>},
+    {0x0C, "get comm event log", fixed<1>, counted<1>},
+    {0x0F, "write multiple coils", counted<5>, fixed<5>},
+    {0x10, "write multiple registers", counted<5>, fixed<5>},
+    {0x11, "report server id", fixed<1>, counted<1>},
+    {0x14, "read file record", counted<1>, counted<1>},
+    {0x15, "write file record", counted<1>, counted<1>},
+    {0x16, "mask write register", fixed<7>, fixed<7>},
+    {0x17, "read/write multiple registers", counted<9>, counted<1>},
+    {0x18, "read fifo queue", fixed<3>, fifo},
+    {0x2B, "encapsulated interface", unknown, identification},
+};
+
+const Function& function_of(std::uint8_t code) {
+  static constexpr Function kUnknown{0, {}, unknown, unknown};
+  const auto* known = std::ranges::find(kFunctions, code, &Function::code);
+  return known == std::end(kFunctions) ? kUnknown : *known;
 }
 
 // 20: of each group a length, the reference type and as many registers as were asked for; the
@@ -92,27 +136,7 @@ PduLength response_length(Bytes prefix) {
   if ((prefix[0] & kExceptionBit) != 0) {
     return known(2);
   }
-  switch (prefix[0]) {
-    case 0x01:
-    case 0x02:
-    case 0x03:
-    case 0x04:
-    case 0x0C:
-    case 0x11:
-    case 0x14:
-    case 0x15:
-    case 0x17: return counted_at(prefix, 1);
-    case 0x05:
-    case 0x06:
-    case 0x0B:
-    case 0x0F:
-    case 0x10: return known(5);
-    case 0x07: return known(2);
-    case 0x16: return known(7);
-    case 0x18: return fifo(prefix);
-    case 0x2B: return identification(prefix);
-    default: return {Kind::opaque};
-  }
+  return function_of(prefix[0]).response(prefix);
 }
 
 PduLength expected_response_length(const Request& request) {
@@ -174,27 +198,8 @@ ResponseFit check_response(const Request& request, Bytes response) {
   return echo ? ResponseFit::normal : ResponseFit::wrong_echo;
 }
 
-PduLength request_length(Bytes prefix) {
-  switch (prefix[0]) {
-    case 0x01:
-    case 0x02:
-    case 0x03:
-    case 0x04:
-    case 0x05:
-    case 0x06: return known(5);
-    case 0x07:
-    case 0x0B:
-    case 0x0C:
-    case 0x11: return known(1);
-    case 0x0F:
-    case 0x10: return counted_at(prefix, 5);
-    case 0x14:
-    case 0x15: return counted_at(prefix, 1);
-    case 0x16: return known(7);
-    case 0x17: return counted_at(prefix, 9);
-    case 0x18: return known(3);
-    default: return {Kind::opaque};
-  }
-}
+PduLength request_length(Bytes prefix) { return function_of(prefix[0]).request(prefix); }
+
+std::string_view function_name(std::uint8_t function) { return function_of(function).name; }
 
 }  // namespace mbgate::modbus

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <fmt/core.h>
+#include <string_view>
 
 namespace mbgate::modbus {
 namespace {
@@ -17,13 +18,9 @@ Duration time_of_half_bits(std::uint64_t half_bits, std::uint64_t baud) {
 }  // namespace
 
 std::string format_text(const CharacterFormat& format) {
-  char parity = 'N';
-  switch (format.parity) {
-    case Parity::none: break;
-    case Parity::even: parity = 'E'; break;
-    case Parity::odd: parity = 'O'; break;
-  }
-  return fmt::format("{}{}{}", format.data_bits, parity, format.stop_bits);
+  constexpr std::string_view kParities = "NEO";
+  return fmt::format("{}{}{}", format.data_bits, kParities[static_cast<std::size_t>(format.parity)],
+                     format.stop_bits);
 }
 
 RtuTiming::RtuTiming(Baud baud, CharacterFormat format)

@@ -16,25 +16,15 @@ namespace {
 constexpr std::size_t kV4Offset = 12;  // ::ffff:a.b.c.d
 constexpr unsigned kV4Prefix = 96;
 constexpr unsigned kAllBits = 128;
-constexpr std::ptrdiff_t kNetworkOctets = 8;  // of an IPv6 address; the others are the interface's
+constexpr unsigned kNetworkBits = 64;  // of an IPv6 address; the others are the interface's
 
-bool bits_beyond(const ClientAddress::Octets& octets, unsigned prefix) {
+// Without the bits beyond the prefix.
+ClientAddress network_of(const ClientAddress& address, unsigned prefix) {
+  ClientAddress::Octets octets = address.octets();
   for (unsigned bit = prefix; bit < kAllBits; ++bit) {
-    if (((octets[bit / 8] >> (7U - bit % 8)) & 1U) != 0) {
-      return true;
-    }
+    octets[bit / 8] = static_cast<std::uint8_t>(octets[bit / 8] & ~(0x80U >> bit % 8));
   }
-  return false;
-}
-
-bool same_prefix(const ClientAddress::Octets& a, const ClientAddress::Octets& b, unsigned prefix) {
-  const auto whole = static_cast<std::ptrdiff_t>(prefix / 8);
-  if (!std::equal(a.begin(), a.begin() + whole, b.begin())) {
-    return false;
-  }
-  const unsigned rest = prefix % 8;
-  const auto at = static_cast<std::size_t>(whole);
-  return rest == 0 || ((a[at] ^ b[at]) >> (8U - rest)) == 0;
+  return ClientAddress(octets);
 }
 
 }  // namespace
@@ -72,12 +62,7 @@ std::string ClientAddress::to_text() const {
 }
 
 ClientAddress ClientAddress::counted_as() const {
-  if (is_v4()) {
-    return *this;
-  }
-  Octets octets = octets_;
-  std::fill(octets.begin() + kNetworkOctets, octets.end(), std::uint8_t{0});
-  return ClientAddress(octets);
+  return is_v4() ? *this : network_of(*this, kNetworkBits);
 }
 
 std::optional<Network> Network::parse(std::string_view text) {
@@ -98,14 +83,14 @@ std::optional<Network> Network::parse(std::string_view text) {
   if (v4) {
     prefix += kV4Prefix;
   }
-  if (bits_beyond(address->octets(), prefix)) {
+  if (*address != network_of(*address, prefix)) {
     return std::nullopt;
   }
   return Network(*address, prefix);
 }
 
 bool Network::contains(const ClientAddress& address) const {
-  return same_prefix(address_.octets(), address.octets(), prefix_);
+  return address_ == network_of(address, prefix_);
 }
 
 bool Network::contains(const Network& other) const {

@@ -209,13 +209,11 @@ Result<DevicePlan, ExceptionCode> Planner::plan_coils() {
   DevicePlan plan;
   plan.reply.form = Reply::Form::echo;
   for (const TableRange& piece : pieces) {
-    std::vector<std::uint8_t> bits((piece.count + 7U) / 8U);
-    for (std::uint32_t bit = 0; bit < piece.count; ++bit) {
-      if (request_.written(static_cast<std::uint16_t>(piece.first + bit)) != 0) {
-        bits[bit / 8] = static_cast<std::uint8_t>(bits[bit / 8] | (1U << (bit % 8)));
-      }
+    std::vector<std::uint16_t> coils;
+    for (std::uint32_t at = piece.first; at < drive::end_of(piece); ++at) {
+      coils.push_back(*request_.written(static_cast<std::uint16_t>(at)));
     }
-    plan.requests.push_back(modbus::make_multiple_write(piece, bits));
+    plan.requests.push_back(modbus::make_write(piece.table, piece.first, coils, true));
   }
   return plan;
 }

@@ -19,19 +19,10 @@ Table table_in(const Device* device, Table table) {
 }
 
 template <typename Visit>
-void visit_ranges(const drive::RangeList& ranges, Visit visit) {
-  for (const TableRange& range : ranges) {
-    visit(range.table, range.first, drive::end_of(range));
-  }
-}
-
-template <typename Visit>
 void visit_communication(const TouchedRegisters& touched, Visit visit) {
-  visit_ranges(touched.device->profile.communication, visit);
+  std::ranges::for_each(touched.device->profile.communication, visit);
   if (touched.reconfigures) {
-    for (const drive::GuardedWrite& write : touched.device->profile.guarded) {
-      visit(write.range.table, write.range.first, drive::end_of(write.range));
-    }
+    std::ranges::for_each(touched.device->profile.guarded, visit, &drive::GuardedWrite::range);
   }
 }
 
@@ -39,38 +30,35 @@ template <typename Visit>
 void visit_motion(const drive::Profile& profile, Visit visit) {
   for (const drive::Value& value : profile.values.all()) {
     if (value.motion) {
-      visit(value.table, value.first, value.end());
+      visit(value.range());
     }
   }
   if (const auto& opcodes = profile.position_opcodes) {
-    visit(Table::holding_registers, opcodes->address, opcodes->address + 1U);
-    visit(Table::holding_registers, opcodes->position, opcodes->position + kPositionRegisters);
+    visit(TableRange{Table::holding_registers, opcodes->address, 1});
+    visit(TableRange{Table::holding_registers, opcodes->position, kPositionRegisters});
   }
   for (const drive::WriteMatch& stop : profile.stops) {
-    visit(stop.table, stop.address, stop.address + 1U);
+    visit(TableRange{stop.table, stop.address, 1});
   }
 }
 
 // Every part of the set that this device has, with the address behind its end.
 template <typename Visit>
 void visit_parts(const RegisterSet& set, const TouchedRegisters& touched, Visit visit) {
-  const Device* device = touched.device;
   for (const RegisterSpan& span : set.spans) {
     visit(span.table, span.first, span.last + 1U);
   }
-  if (device == nullptr) {
-    return;
+  const auto visit_range = [&](const TableRange& range) {
+    visit(range.table, range.first, drive::end_of(range));
+  };
+  if (touched.device != nullptr && set.motion_commands) {
+    visit_motion(touched.device->profile, visit_range);
   }
-  if (set.motion_commands) {
-    visit_motion(device->profile, visit);
+  if (touched.device != nullptr && set.communication_registers) {
+    visit_communication(touched, visit_range);
   }
-  if (set.communication_registers) {
-    visit_communication(touched, visit);
-  }
-  if (set.values) {
-    for (const drive::Value& value : device->profile.values.all()) {
-      visit(value.table, value.first, value.end());
-    }
+  if (touched.device != nullptr && set.values) {
+    std::ranges::for_each(touched.device->profile.values.all(), visit_range, &drive::Value::range);
   }
 }
 

@@ -99,6 +99,9 @@ bool Route::leads_to(const drive::Device& server) const {
 
 Result<modbus::Request, ExceptionCode> through_windows(std::span<const AddressWindow> windows,
                                                        const modbus::Request& request) {
+  if (windows.empty()) {
+    return request;
+  }
   std::optional<TableRange> reads;
   std::optional<TableRange> writes;
   if (request.reads()) {

@@ -93,9 +93,10 @@ struct Route {
 // Rewriting of table addresses: what a client sees at `from` lies in the device at `to`, possibly
 // in another table.
 
-/// The request as the device must see it. Each range that it names must lie wholly in one window
-/// (else 02); what the other table cannot do, such as writing input registers, is 01. Requests that
-/// name no table pass unchanged; the functions of the route decide whether they may.
+/// The request as the device must see it; without windows as it is. Each range that it names must
+/// lie wholly in one window (else 02); what the other table cannot do, such as writing input
+/// registers, is 01. Requests that name no table pass unchanged; the functions of the route decide
+/// whether they may.
 Result<modbus::Request, modbus::ExceptionCode> through_windows(
     std::span<const AddressWindow> windows, const modbus::Request& request);
 

@@ -40,23 +40,20 @@ void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
 }
 
 void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Hash& hash) {
-  // The gateway's: settings, exchanges, actions. Of the requests there are only counters
-  // beyond these.
-  auto& [settings, exchanges, actions, sessions, intake, admission, requests] = clients;
-  // Beyond these too: clients come at the start only, and may ask as often as they like: limits.
-  // Told only: logins.
-  [[maybe_unused]] auto& [its_settings, its_exchanges, its_failsafe, its_sessions, its_actions,
-                          limits, logins] = admission;
+  // The gateway's: settings, exchanges, failsafe, actions. Of the requests there are only counters
+  // beyond these. Clients come at the start only, and may ask as often as they like: limits. Told
+  // only: logins.
+  [[maybe_unused]] auto& [settings, exchanges, failsafe, actions, sessions, intake, requests,
+                          limits, logins] = clients;
   // Of the intake: the phase is as far as the gateway has come; counted or told only: counters,
   // denials, unrouted_reported. Dealt with: request. The same settings all the time: changed_at.
   // No rules: access.
   [[maybe_unused]] auto& [of_settings, of_rules, of_actions, phase, request, counters, access,
                           denials, unrouted_reported, changed_at] = intake;
   require(changed_at.empty(), "the settings stay the same");
-  // Only with partial requests or idle timeouts: timers. As many as there are clients: on_listener,
-  // addresses, free_keys. Counted only: of_listeners.
-  auto& [in_force, by_number, closed, ready, timers, on_listener, of_listeners, addresses,
-         free_keys] = sessions;
+  // Only with partial requests or idle timeouts: timers. As many as there are clients: addresses,
+  // free_keys. Counted only: of_listeners.
+  auto& [in_force, by_number, closed, ready, timers, of_listeners, addresses, free_keys] = sessions;
   require(closed.empty() && ready.empty() && timers.empty(), "nothing is left to do");
   hash.add(by_number.size());
   for (std::uint64_t client = 1; client <= by_number.size(); ++client) {

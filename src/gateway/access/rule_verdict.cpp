@@ -180,8 +180,11 @@ bool AccessBook::take(const RuleVerdict& verdict, const ClientKey& client, Insta
   if (!has_room(verdict.rule, client, now) || !has_room(verdict.other, client, now)) {
     return false;
   }
-  count(verdict.rule, client, now);
-  count(verdict.other, client, now);
+  for (const auto* rule : {verdict.rule, verdict.other}) {
+    if (has_rate(rule)) {
+      rates_[{rule, client}].take(rule->per_second, now);
+    }
+  }
   return true;
 }
 
@@ -197,12 +200,6 @@ bool AccessBook::has_room(const routing::AccessRule* rule, const ClientKey& clie
     std::erase_if(rates_, [now](const auto& entry) { return entry.second.is_rested(now); });
   }
   return rates_.size() < kRatedClients;
-}
-
-void AccessBook::count(const routing::AccessRule* rule, const ClientKey& client, Instant now) {
-  if (has_rate(rule)) {
-    rates_[{rule, client}].take(rule->per_second, now);
-  }
 }
 
 }  // namespace mbgate::gateway

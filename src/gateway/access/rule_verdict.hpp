@@ -60,7 +60,6 @@ class AccessBook {
   using Key = std::pair<const routing::AccessRule*, ClientKey>;
   [[nodiscard]] bool has_room(const routing::AccessRule* rule, const ClientKey& client,
                               Instant now);
-  void count(const routing::AccessRule* rule, const ClientKey& client, Instant now);
 
   std::map<Key, SecondRate> rates_;
 };

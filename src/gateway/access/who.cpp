@@ -89,8 +89,7 @@ WhoAnswer unplanned(const SettingsSnapshot& settings, const routing::ResolvedRou
   if (!request) {
     return denied("the standard: the request is malformed", code);
   }
-  const auto& windows = resolved.route.windows;
-  if (!windows.empty() && !routing::through_windows(windows, *request)) {
+  if (!routing::through_windows(resolved.route.windows, *request)) {
     return denied(fmt::format("the windows (registers) of the route of unit {}", unit), code,
                   key_of_route(settings, resolved.route, KeyName::windows));
   }
@@ -104,9 +103,9 @@ WhoAnswer by_writer(const SettingsSnapshot& settings, const ClientInfo& client,
                     const routing::Plan& plan, ExceptionCode code) {
   for (const auto& transaction : plan.transactions()) {
     for (const std::size_t place : settings.devices.reached_by(transaction)) {
-      const DeviceGuard* guard = settings.guard(place);
-      if (guard != nullptr && guard->writer == WriterRule::listed &&
-          !guard->writers.contains(client.address, client.role)) {
+      const DeviceGuard& guard = settings.guard(place);
+      if (guard.writer == WriterRule::listed &&
+          !guard.writers.contains(client.address, client.role)) {
         return denied("writer of device " + settings.settings.devices[place].name, code,
                       DenyingKey{KeyName::writer, place});
       }
@@ -130,15 +129,6 @@ WhoAnswer planned(const SettingsSnapshot& settings, const ClientInfo& client, st
   return answer;
 }
 
-WhoAnswer of_own_unit(const SettingsSnapshot& settings, const ClientInfo& client, std::uint8_t unit,
-                      const modbus::Pdu& request, routing::ClientRights rights) {
-  const RuleVerdict verdict = verdict_on(settings, client, unit, request, nullptr);
-  if (verdict.permitted && rights.read_only && !modbus::is_read(request.bytes())) {
-    return by_read_only(settings, client);
-  }
-  return by_verdict(verdict, client);
-}
-
 }  // namespace
 
 WhoAnswer who_may(const SettingsSnapshot& settings, const ClientInfo& client, std::uint8_t unit,
@@ -151,12 +141,14 @@ WhoAnswer who_may(const SettingsSnapshot& settings, const ClientInfo& client, st
     return refused("the access rules: none permits this address anything here");
   }
   const routing::ClientRights rights{listener.read_only.contains(client.address, client.role)};
+  const RuleVerdict verdict = verdict_on(settings, client, unit, request, nullptr);
   if (settings.settings.status_unit == unit) {
-    return of_own_unit(settings, client, unit, request, rights);
+    return verdict.permitted && rights.read_only && !modbus::is_read(request.bytes())
+               ? by_read_only(settings, client)
+               : by_verdict(verdict, client);
   }
   const routing::ResolvedRoute* resolved = settings.routes.find(client.listener, unit);
   if (resolved == nullptr) {
-    const RuleVerdict verdict = verdict_on(settings, client, unit, request, nullptr);
     return verdict.permitted
                ? denied(fmt::format("the routes: unit {} has no route on this listener", unit),
                         ExceptionCode::gateway_path_unavailable)
@@ -169,7 +161,6 @@ WhoAnswer who_may(const SettingsSnapshot& settings, const ClientInfo& client, st
   if (plan) {
     return planned(settings, client, unit, *plan);
   }
-  const RuleVerdict verdict = verdict_on(settings, client, unit, request, nullptr);
   return verdict.permitted ? unplanned(settings, *resolved, plan.error(), unit, request)
                            : by_verdict(verdict, client);
 }

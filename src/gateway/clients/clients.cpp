@@ -1,22 +1,88 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/clients/clients.hpp"
 
+#include <algorithm>
+#include <utility>
+
+#include "gateway/limits.hpp"
+
 namespace mbgate::gateway {
+namespace {
+
+std::optional<RefusalReason> objection(const Settings& settings, const ClientInfo& info) {
+  if (!routing::lets_in(settings.listener(info.listener).allow, info.address)) {
+    return RefusalReason::not_allowed;
+  }
+  return may_connect(settings, info) ? std::nullopt : std::optional(RefusalReason::no_rule);
+}
+
+}  // namespace
 
 Clients::Clients(const SettingsHistory& settings, BusSet& buses, Exchanges& exchanges,
                  WriteRules& rules, FailsafeWrites& failsafe, TraceBook& trace,
                  ActionQueue& actions, Instant now)
     : settings_(settings),
       exchanges_(exchanges),
+      failsafe_(failsafe),
       actions_(actions),
       sessions_(settings.settings()),
       intake_(settings, rules, actions),
-      admission_(settings, exchanges, failsafe, sessions_, actions),
       requests_(settings, buses, exchanges, rules, failsafe, sessions_, intake_, trace, actions,
                 now) {}
 
 void Clients::handle(const ClientConnected& input, Instant now) {
-  admission_.connected(input.client, input.info, intake_.phase(), now);
+  if (!admit(input.info, now)) {
+    actions_.push(Close{input.client});
+    return;
+  }
+  const ClientSession* session = sessions_.add(input.client, input.info, now);
+  if (session == nullptr) {
+    return;
+  }
+  limits_.came(*session, now);
+  if (input.info.role.kind != routing::ClientRole::Kind::none) {
+    if (const auto left_out = logins_.note(input.info, now)) {
+      actions_.push(Report{ClientLoggedIn{asker_of(input.info), *left_out}});
+    }
+  }
+}
+
+bool Clients::admit(const ClientInfo& info, Instant now) {
+  const bool is_running = intake_.phase() == Phase::running;
+  const ListenerSettings& listener = settings_.settings().listener(info.listener);
+  if (listener.is_gone && is_running) {
+    return false;  // it was let in before a reload, and told after it
+  }
+  auto reason = is_running ? objection(settings_.settings(), info) : RefusalReason::stopping;
+  if (!reason && limits_.comes_too_often(info, listener, now)) {
+    reason = RefusalReason::too_often;
+  }
+  if (!reason && limits_.is_full(info, listener)) {
+    reason = make_room(to_replace(sessions_, info.listener, key_of(info, listener)),
+                       RefusalReason::address_full, now);
+  }
+  if (!reason && sessions_.is_full(info.listener)) {
+    reason = make_room(to_displace(sessions_, info.listener, key_of(info, listener)),
+                       RefusalReason::full, now);
+  }
+  if (reason) {
+    actions_.push(Report{ClientRefused{asker_of(info), *reason}});
+    sessions_.counters(info.listener).note_refused(*reason);
+  }
+  return !reason;
+}
+
+// A client that comes back after its line was cut finds its old connections in the way.
+std::optional<RefusalReason> Clients::make_room(ClientSession* displaced, RefusalReason limit,
+                                                Instant now) {
+  if (displaced == nullptr) {
+    return limit;
+  }
+  const ClientInfo& info = displaced->info();
+  actions_.push(Report{ClientDisplaced{asker_of(info), limit}});
+  sessions_.counters(info.listener).note_displaced(limit);
+  close(*displaced, now);
+  return std::nullopt;
 }
 
 void Clients::handle(const ClientBytes& input, Instant now) {
@@ -63,12 +129,14 @@ void Clients::handle(const ClientDisconnected& input, Instant now) {
       session->input.append(input.bytes, now, now);
     }
     leave(*session, now);
-    admission_.forget(*session, now);
+    forget(*session, now);
   }
 }
 
 void Clients::stalled(Instant since) {
-  sessions_.for_each([since](ClientSession& session) { session.stall(since); });
+  for (ClientSession& session : sessions_.open()) {
+    session.stall(since);
+  }
 }
 
 void Clients::handle_deadline(Instant now) {
@@ -76,11 +144,10 @@ void Clients::handle_deadline(Instant now) {
     requests_.end_overdue(*session, now);
     switch (session->overdue(now)) {
       case ClientSession::Overdue::within_request:
-        actions_.push(
-            Report{ClientFrameTimedOut{{session->info().listener, session->info().address}}});
-        admission_.close(*session, now);
+        actions_.push(Report{ClientFrameTimedOut{asker_of(session->info())}});
+        close(*session, now);
         break;
-      case ClientSession::Overdue::idle: admission_.close(*session, now); break;
+      case ClientSession::Overdue::idle: close(*session, now); break;
       case ClientSession::Overdue::nothing: set_timer(*session, now); break;
     }
   }
@@ -88,39 +155,35 @@ void Clients::handle_deadline(Instant now) {
 
 void Clients::set_phase(Phase phase) {
   intake_.set_phase(phase);
-  sessions_.for_each([this](const ClientSession& session) {
+  for (const ClientSession& session : sessions_.open()) {
     for (const std::uint32_t held : session.held) {
       exchanges_.cancel(held);  // what no bus has yet
     }
     sessions_.wake(session);
-  });
+  }
 }
 
 bool Clients::serve_one(Instant now) {
-  ClientSession* session = sessions_.take_ready();
-  if (session != nullptr) {
-    serve(*session, now);
+  ClientSession* ready = sessions_.take_ready();
+  if (ready == nullptr) {
+    return false;
   }
-  return session != nullptr;
-}
-
-void Clients::serve(ClientSession& session, Instant now) {
+  ClientSession& session = *ready;
   Intake::Front front = intake_.front(session);
   for (; front.frame; front = intake_.front(session)) {
     Request& request = intake_.take(session, *front.frame, now);
-    const bool may_ask =
-        request.is_stop || intake_.phase() != Phase::running ||
-        (admission_.may_ask(session, now) && exchanges_.planned() < kTransactionsOfAll &&
-         exchanges_.planned(session.exchanges) < kTransactionsOfOne);
-    if (!may_ask && !request.refused) {
+    const bool is_taken = request.is_stop || intake_.phase() != Phase::running ||
+                          (may_ask(session, now) && exchanges_.planned() < kTransactionsOfAll &&
+                           exchanges_.planned(session.exchanges) < kTransactionsOfOne);
+    if (!is_taken && !request.refused) {
       request.for_gateway = false;
       request.refused = modbus::ExceptionCode::server_device_busy;
     }
     requests_.accept(session, request, now);
   }
   if (front.framing_lost || session.is_finished()) {
-    admission_.close(session, now);
-    return;
+    close(session, now);
+    return true;
   }
   if (const auto reading = session.update_reading(now)) {
     if (*reading == ClientSession::Reading::pause) {
@@ -131,6 +194,18 @@ void Clients::serve(ClientSession& session, Instant now) {
   }
   session.note_partial(now);
   set_timer(session, now);
+  return true;
+}
+
+bool Clients::may_ask(const ClientSession& session, Instant now) {
+  if (limits_.may_ask(session, now)) {
+    return true;
+  }
+  ++sessions_.counters(session.info().listener).over_rate;
+  if (limits_.may_be_reported(session, now)) {
+    actions_.push(Report{ClientOverRate{asker_of(session.info())}});
+  }
+  return false;
 }
 
 void Clients::set_timer(ClientSession& session, Instant now) {
@@ -141,40 +216,55 @@ void Clients::set_timer(ClientSession& session, Instant now) {
 // The stops that it has sent are still taken.
 void Clients::leave(ClientSession& session, Instant now) {
   session.is_leaving = true;
-  admission_.drop_requests(session);  // before a stop sets the bus going
+  drop_requests(session);  // before a stop sets the bus going
   while (Request* stop = intake_.take_stop(session, now)) {
     requests_.accept(session, *stop, now);
   }
 }
 
+void Clients::drop_requests(ClientSession& session) {
+  for (const std::uint32_t exchange : std::exchange(session.exchanges, {})) {
+    exchanges_[exchange].client_gone = true;
+    exchanges_.cancel(exchange);
+  }
+}
+
+void Clients::close(ClientSession& session, Instant now) {
+  actions_.push(Close{session.id()});
+  forget(session, now);
+}
+
+void Clients::forget(ClientSession& session, Instant now) {
+  drop_requests(session);
+  failsafe_.client_gone(session.id(), now);
+  limits_.left(session);
+  sessions_.close(session);
+}
+
 void Clients::close_unwanted(const Settings& next, Instant now) {
-  sessions_.for_each([&](ClientSession& session) {
-    const ListenerId number = session.info().listener;
-    const routing::ClientAddress& address = session.info().address;
-    const ListenerSettings& listener = next.listener(number);
-    const bool allowed = routing::lets_in(listener.allow, address);
+  for (ClientSession& session : sessions_.open()) {
+    const ListenerSettings& listener = next.listener(session.info().listener);
     // What a client was without TLS it is not with it, and the other way round.
     const bool had_tls = session.info().role.kind != routing::ClientRole::Kind::none;
-    const bool is_of_another_kind = had_tls != listener.tls.has_value();
-    if (!listener.is_gone && !is_of_another_kind && allowed && may_connect(next, session.info())) {
-      return;
+    const bool has_place = !listener.is_gone && had_tls == listener.tls.has_value();
+    const auto reason = has_place ? objection(next, session.info()) : std::nullopt;
+    if (reason) {
+      actions_.push(Report{ClientRefused{asker_of(session.info()), *reason}});
     }
-    if (!listener.is_gone && !is_of_another_kind) {
-      const auto reason = allowed ? RefusalReason::no_rule : RefusalReason::not_allowed;
-      actions_.push(Report{ClientRefused{{number, address}, reason}});
+    if (reason || !has_place) {
+      leave(session, now);
+      close(session, now);
     }
-    leave(session, now);
-    admission_.close(session, now);
-  });
+  }
 }
 
 void Clients::adopt(const SettingsSnapshot& before, Instant now) {
   sessions_.adopt(settings_.settings(), now);
   intake_.adopt(before, now);
-  sessions_.for_each([&](ClientSession& session) {
+  for (const ClientSession& session : sessions_.open()) {
     requests_.end_withdrawn(session, now);
     requests_.end_outdated(session, before);
-  });
+  }
 }
 
 }  // namespace mbgate::gateway

@@ -22,8 +22,7 @@ Intake::Front Intake::front(ClientSession& session) {
       notice_rtu(session, session.input.bytes());
       ++counters_.framing_lost;
       if (!session.speaks_rtu_reported) {
-        actions_.push(Report{ClientFramingLost{{session.info().listener, session.info().address},
-                                               lost->length,
+        actions_.push(Report{ClientFramingLost{asker_of(session.info()), lost->length,
                                                modbus::other_protocol(session.input.bytes())}});
       }
       return {.framing_lost = true};
@@ -107,7 +106,13 @@ void Intake::judge(const ClientSession& session, Request& request, Instant now) 
     if (request.plan) {
       request.refused = objection(session, request, now);
     }
-    notice_denied(session, request, now);
+    const auto event =
+        is_denied(session, request, now)
+            ? denials_.note(settings_.in_force(), rules_, session.info(), request.adu, now)
+            : std::nullopt;
+    if (event) {
+      actions_.push(Report{*event});
+    }
   }
   const bool is_limited = (request.plan || request.for_gateway) && !request.is_stop;
   if (is_limited && !request.refused && !access_.take(request.verdict, session.key(), now)) {
@@ -157,10 +162,10 @@ void Intake::adopt(const SettingsSnapshot& before, Instant now) {
   access_.forget_rates();
   for (std::size_t listener = 0; listener < before.settings.listeners.size(); ++listener) {
     for (unsigned unit = 0; unit <= std::numeric_limits<std::uint8_t>::max(); ++unit) {
-      const auto id = static_cast<ListenerId>(listener);
-      const auto number = static_cast<std::uint8_t>(unit);
-      if (unit_means_otherwise(id, number, before, settings_.in_force())) {
-        changed_at_[{id, number}] = now;
+      const UnitOfListener place{static_cast<ListenerId>(listener),
+                                 static_cast<std::uint8_t>(unit)};
+      if (unit_means_otherwise(place, before, settings_.in_force())) {
+        changed_at_[place] = now;
       }
     }
   }
@@ -172,8 +177,7 @@ void Intake::notice_unrouted(const ClientSession& session, const Request& reques
                            request.refused != ExceptionCode::server_device_busy;
   if (is_unrouted && unrouted_reported_.size() < kUnroutedTold &&
       unrouted_reported_.emplace(info.listener, info.address).second) {
-    actions_.push(Report{UnitNotRouted{{info.listener, info.address},
-                                       request.adu.header.unit,
+    actions_.push(Report{UnitNotRouted{asker_of(info), request.adu.header.unit,
                                        settings_.in_force().routes.units(info.listener)}});
   }
 }
@@ -203,20 +207,10 @@ bool Intake::is_denied(const ClientSession& session, const Request& request, Ins
                  : request.refused == ExceptionCode::illegal_function || is_outside;
 }
 
-void Intake::notice_denied(const ClientSession& session, const Request& request, Instant now) {
-  if (is_denied(session, request, now)) {
-    const auto event =
-        denials_.note(settings_.in_force(), rules_, session.info(), request.adu, now);
-    if (event) {
-      actions_.push(Report{*event});
-    }
-  }
-}
-
 void Intake::notice_rtu(ClientSession& session, modbus::Bytes stream) {
   if (!session.speaks_rtu_reported && modbus::looks_like_rtu(stream)) {
     session.speaks_rtu_reported = true;
-    actions_.push(Report{ClientSpeaksRtu{{session.info().listener, session.info().address}}});
+    actions_.push(Report{ClientSpeaksRtu{asker_of(session.info())}});
   }
 }
 

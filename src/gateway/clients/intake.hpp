@@ -82,7 +82,6 @@ class Intake {
   void notice_unrouted(const ClientSession& session, const Request& request);
   [[nodiscard]] bool is_denied(const ClientSession& session, const Request& request,
                                Instant now) const;
-  void notice_denied(const ClientSession& session, const Request& request, Instant now);
 
   const SettingsHistory& settings_;
   const WriteRules& rules_;
@@ -94,7 +93,7 @@ class Intake {
   DenialReports denials_;
   std::set<std::pair<ListenerId, routing::ClientAddress>> unrouted_reported_;
   /// When a unit of a listener came to mean something else.
-  std::map<std::pair<ListenerId, std::uint8_t>, Instant> changed_at_;
+  std::map<UnitOfListener, Instant> changed_at_;
 };
 
 }  // namespace mbgate::gateway

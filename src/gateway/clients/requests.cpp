@@ -96,7 +96,7 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
   const WriteOrigin origin = request.origin(session);
   audit(session, request);
   say_left_out(session, request);
-  const std::uint32_t index = exchanges_.open(*std::move(request.plan));
+  const std::uint32_t index = exchanges_.open(std::move(request.plan));
   Exchange& exchange = exchanges_[index];
   exchange.client = session.id();
   exchange.listener = session.info().listener;
@@ -224,7 +224,7 @@ void Requests::end_withdrawn(const ClientSession& session, Instant now) {
 
 void Requests::end_outdated(const ClientSession& session, const SettingsSnapshot& before) {
   for (const std::uint32_t held : session.held) {
-    if (unit_means_otherwise(session.info().listener, exchanges_[held].header.unit, before,
+    if (unit_means_otherwise({session.info().listener, exchanges_[held].header.unit}, before,
                              settings_.in_force())) {
       exchanges_.cancel(held);
     }
@@ -237,8 +237,7 @@ modbus::Pdu Requests::answer_of_gateway(const ClientSession& session, const Requ
   if (session.rights().read_only && !modbus::is_read(request.bytes())) {
     return modbus::Pdu::exception(request.function(), modbus::ExceptionCode::illegal_function);
   }
-  StatusView view{settings_.settings(), buses_,   sessions_.size(),
-                  intake_.counters(),   started_, now};
+  const StatusView view{settings_.settings(), buses_, sessions_, intake_.counters(), started_, now};
   const StatusUnit::Answer answer = status_unit_.answer(request, view);
   const auto report = [&](ReportLimit& limit, auto event) {
     if (const auto left_out = limit.note(session.info(), now)) {

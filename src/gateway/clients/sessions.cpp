@@ -1,10 +1,70 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/clients/sessions.hpp"
 
+#include <tuple>
+
 namespace mbgate::gateway {
+namespace {
+
+// Who never asked, then who has nothing to do, for longest; then who connected first.
+bool goes_before(const ClientSession* one, const ClientSession* other) {
+  const auto place = [](const ClientSession& it) {
+    return std::tuple(it.has_asked, !it.is_at_rest(),
+                      it.is_at_rest() ? it.last_activity : Instant::min(), it.id());
+  };
+  return place(*one) < place(*other);
+}
+
+ClientSession* first_to_go(const std::vector<ClientSession*>& candidates) {
+  const auto first = std::ranges::min_element(candidates, goes_before);
+  return first == candidates.end() ? nullptr : *first;
+}
+
+std::vector<ClientSession*> displaceable(Sessions& sessions, ListenerId listener) {
+  std::vector<ClientSession*> all;
+  for (ClientSession& session : sessions.open()) {
+    if (session.info().listener == listener &&
+        !session.listener().keep.contains(session.info().address, session.info().role)) {
+      all.push_back(&session);
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+ClientSession* to_replace(Sessions& sessions, ListenerId listener, const ClientKey& client) {
+  auto own = displaceable(sessions, listener);
+  std::erase_if(own,
+                [&](const ClientSession* it) { return it->key() != client || !it->is_at_rest(); });
+  return first_to_go(own);
+}
+
+ClientSession* to_displace(Sessions& sessions, ListenerId listener, const ClientKey& newcomer) {
+  auto all = displaceable(sessions, listener);
+  std::map<ClientKey, std::size_t> counts{{newcomer, 1}};
+  for (const ClientSession* session : all) {
+    ++counts[session->key()];
+  }
+  std::size_t most = 1;
+  for (const auto& [client, connections] : counts) {
+    most = std::max(most, connections);
+  }
+  const bool is_newcomer = most > 1 && counts[newcomer] == most;
+  std::erase_if(all, [&](const ClientSession* it) {
+    const bool is_loser = is_newcomer ? it->key() == newcomer : counts[it->key()] == most;
+    return !is_loser || (most == 1 && it->has_asked);
+  });
+  return first_to_go(all);
+}
+
 bool Sessions::is_full(ListenerId listener) const {
-  return on_listener_[static_cast<std::size_t>(listener)] >=
-         settings_->listener(listener).max_connections;
+  return on(listener) >= settings_->listener(listener).max_connections;
+}
+
+std::size_t Sessions::on(ListenerId listener) const {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      open(), [&](const ClientSession& it) { return it.info().listener == listener; }));
 }
 
 ClientSession* Sessions::add(ClientId client, const ClientInfo& info, Instant now) {
@@ -13,7 +73,6 @@ ClientSession* Sessions::add(ClientId client, const ClientInfo& info, Instant no
   if (!added) {
     return nullptr;
   }
-  ++on(info.listener);
   ++counters(info.listener).connections;
   ClientSession& session = entry->second;
   session.turns = &add_connection(session);
@@ -36,7 +95,6 @@ void Sessions::close(ClientSession& session) {
   session.is_closed = true;
   closed_.push_back(session.id());
   timers_.erase({session.timer_at, session.id()});
-  --on(session.info().listener);
   const auto address = addresses_.find(session.key());
   if (--address->second.connections == 0) {
     free_keys_.push_back(address->second.turns.key);
@@ -105,21 +163,20 @@ unsigned Sessions::weight_of(const routing::ClientAddress& address) const {
 }
 
 void Sessions::clear_counters() {
-  for_each([](ClientSession& session) { session.requests = session.refused = 0; });
+  for (ClientSession& session : open()) {
+    session.requests = session.refused = 0;
+  }
   std::ranges::fill(counters_, ListenerCounters{});
 }
 
 void Sessions::adopt(const Settings& next, Instant now) {
   settings_ = &next;
-  on_listener_.assign(next.listeners.size(), 0);
   counters_.resize(next.listeners.size());
-  for_each([&](ClientSession& session) {
-    const ListenerId listener = session.info().listener;
-    session.adopt(next.listener(listener));
+  for (ClientSession& session : open()) {
+    session.adopt(next.listener(session.info().listener));
     session.note_reload(now);
-    ++on(listener);
     wake(session);  // to be served, and looked at by its new times
-  });
+  }
   for (auto& [key, known] : addresses_) {
     known.turns.weight = weight_of(known.first);
   }

@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
+#include <ranges>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -90,9 +92,7 @@ struct ListenerCounters {
 class Sessions {
  public:
   explicit Sessions(const Settings& settings)
-      : settings_(&settings),
-        on_listener_(settings.listeners.size()),
-        counters_(settings.listeners.size()) {}
+      : settings_(&settings), counters_(settings.listeners.size()) {}
 
   [[nodiscard]] bool is_full(ListenerId listener) const;
   /// nullptr if there is one with this number.
@@ -104,27 +104,14 @@ class Sessions {
   void sweep();
   /// How many are open.
   [[nodiscard]] std::size_t size() const { return sessions_.size() - closed_.size(); }
-  template <typename Visit>
-  void for_each(Visit visit) {
-    for (auto& [client, session] : sessions_) {
-      if (!session.is_closed) {
-        visit(session);
-      }
-    }
+  /// Those that are open: a view, to be gone through once.
+  [[nodiscard]] auto open() {
+    return sessions_ | std::views::values |
+           std::views::filter(std::not_fn(&ClientSession::is_closed));
   }
-  template <typename Visit>
-  void for_each(Visit visit) const {
-    for (const auto& [client, session] : sessions_) {
-      if (!session.is_closed) {
-        visit(session);
-      }
-    }
-  }
-  /// Is one that is open so?
-  template <typename Predicate>
-  [[nodiscard]] bool any(Predicate predicate) const {
-    return std::ranges::any_of(
-        sessions_, [&](const auto& it) { return !it.second.is_closed && predicate(it.second); });
+  [[nodiscard]] auto open() const {
+    return sessions_ | std::views::values |
+           std::views::filter(std::not_fn(&ClientSession::is_closed));
   }
   /// The client address whose turns these are; nullptr if it has gone.
   [[nodiscard]] const routing::ClientAddress* address_of(bus::FairnessKey key) const;
@@ -143,9 +130,7 @@ class Sessions {
   ClientSession* take_due(Instant now);
 
   /// Connections to the listener.
-  [[nodiscard]] std::size_t on(ListenerId listener) const {
-    return on_listener_[static_cast<std::size_t>(listener)];
-  }
+  [[nodiscard]] std::size_t on(ListenerId listener) const;
   [[nodiscard]] ListenerCounters& counters(ListenerId listener) {
     return counters_[static_cast<std::size_t>(listener)];
   }
@@ -164,9 +149,6 @@ class Sessions {
     Turns turns;
     std::size_t connections = 0;
   };
-  [[nodiscard]] std::size_t& on(ListenerId listener) {
-    return on_listener_[static_cast<std::size_t>(listener)];
-  }
   const Turns& add_connection(const ClientSession& session);
   [[nodiscard]] unsigned weight_of(const routing::ClientAddress& address) const;
 
@@ -175,10 +157,16 @@ class Sessions {
   std::vector<ClientId> closed_;
   std::vector<ClientId> ready_;
   std::set<std::pair<Instant, ClientId>> timers_;  // one for each client that has one
-  std::vector<std::size_t> on_listener_;
   std::vector<ListenerCounters> counters_;
   std::map<ClientKey, Address> addresses_;
   std::vector<bus::FairnessKey> free_keys_;
 };
+
+/// The connection that makes room for another one of this client, because the client has as many as
+/// it may; nullptr: there is none. One that waits for an answer stays.
+ClientSession* to_replace(Sessions& sessions, ListenerId listener, const ClientKey& client);
+/// The one that makes room because the listener is full: one of the client that has most of them,
+/// the newcomer counted. Where each client has one, only one that has never asked.
+ClientSession* to_displace(Sessions& sessions, ListenerId listener, const ClientKey& newcomer);
 
 }  // namespace mbgate::gateway

@@ -50,28 +50,7 @@ std::optional<modbus::Pdu> Exchange::result() const {
                                                                        : std::nullopt;
 }
 
-// What becomes of the meaning of an open request by other settings.
-
 namespace {
-
-// Its unit is another device's now, or nobody's.
-bool leads_elsewhere(const routing::ResolvedRoute* resolved, const Exchange& exchange,
-                     const Exchange::Part& part, const Settings& next) {
-  const std::uint8_t unit = exchange.header.unit;
-  if (resolved == nullptr || next.status_unit == unit ||
-      resolved->is_broadcast() != part.job->is_broadcast()) {
-    return true;
-  }
-  return resolved->is_broadcast()
-             ? std::ranges::find(resolved->route.buses, part.bus) == resolved->route.buses.end()
-             : resolved->route.buses.front() != part.bus ||
-                   resolved->route.address_of(unit) != part.job->transactions.front().unit;
-}
-
-// Its registers lie elsewhere in the device, or its values are in another order.
-bool is_read_otherwise(const routing::Route& route, const routing::Route& before) {
-  return route.word_order != before.word_order || route.windows != before.windows;
-}
 
 // Was the transaction carried out, as far as anybody knows?
 bool may_have_worked(const drive::Device& device, const bus::Job& job, std::size_t at) {
@@ -107,14 +86,8 @@ void report_reconfigured(const Exchange& exchange, const Exchange::Part& part,
 
 bool means_otherwise(const Exchange& exchange, const Exchange::Part& part,
                      const SettingsSnapshot& old, const SettingsSnapshot& next) {
-  const bool listens = !exchange.client_gone && !next.settings.listener(exchange.listener).is_gone;
-  const routing::ResolvedRoute* resolved =
-      listens ? next.routes.find(exchange.listener, exchange.header.unit) : nullptr;
-  if (listens && leads_elsewhere(resolved, exchange, part, next.settings)) {
-    return true;
-  }
-  if (resolved != nullptr && is_read_otherwise(resolved->route, exchange.route->route)) {
-    return true;
+  if (!exchange.client_gone && !next.settings.listener(exchange.listener).is_gone) {
+    return unit_means_otherwise({exchange.listener, exchange.header.unit}, old, next, part.bus);
   }
   return part.job->is_broadcast()
              ? has_other_devices(old, next, part.bus)

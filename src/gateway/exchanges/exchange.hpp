@@ -47,6 +47,8 @@ struct Exchange {
   bool had_no_path = false;       ///< a line was not open and nothing of that part was transmitted
   std::optional<bus::Ending> ended_as;  ///< its last job, or the first that failed
 
+  /// The transactions of its plan.
+  [[nodiscard]] std::size_t planned() const { return plan ? plan->transactions().size() : 0; }
   /// Takes over how a job ended.
   void note(const bus::Job& job, bus::Ending ending);
   /// The answer, once every part has ended; nothing if none is to be given.

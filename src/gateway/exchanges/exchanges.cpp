@@ -9,25 +9,20 @@
 
 namespace mbgate::gateway {
 
-std::uint32_t Exchanges::open() {
+std::uint32_t Exchanges::open(std::optional<routing::Plan>&& plan) {
   const std::uint32_t index = exchanges_.take();
   Exchange& exchange = exchanges_[index];
   exchange.snapshot = &settings_.in_force();
   ++exchange.snapshot->exchanges;
-  return index;
-}
-
-std::uint32_t Exchanges::open(routing::Plan&& plan) {
-  planned_ += plan.transactions().size();
-  const std::uint32_t index = open();
-  exchanges_[index].plan = std::move(plan);
+  exchange.plan = std::move(plan);
+  planned_ += exchange.planned();
   return index;
 }
 
 std::size_t Exchanges::planned(std::span<const std::uint32_t> indexes) {
   std::size_t sum = 0;
   for (const std::uint32_t index : indexes) {
-    sum += exchanges_[index].plan->transactions().size();
+    sum += exchanges_[index].planned();
   }
   return sum;
 }
@@ -112,8 +107,7 @@ std::optional<std::uint32_t> Exchanges::take_completed() { return completed_.pol
 
 void Exchanges::close(std::uint32_t index) {
   SettingsSnapshot& snapshot = *exchanges_[index].snapshot;
-  const auto& plan = exchanges_[index].plan;
-  planned_ -= plan ? plan->transactions().size() : 0;
+  planned_ -= exchanges_[index].planned();
   MBGATE_ASSERT(snapshot.exchanges > 0, "a request keeps the settings of its plan");
   --snapshot.exchanges;
   exchanges_.give_back(index);
@@ -172,14 +166,14 @@ void Exchanges::end_unsent(const Exchange::Part& part) {
 // Stops are sent: settings do not move a drive, and the one that was meant is still where it was.
 void Exchanges::end_changed(const SettingsSnapshot& old) {
   std::vector<Exchange::Part> changed;
-  exchanges_.for_each([&](const Exchange& exchange) {
-    for (const Exchange::Part& part : exchange.parts) {
+  for (const auto& exchange : exchanges_.all()) {
+    for (const Exchange::Part& part : exchange->parts) {
       if (!part.is_stop() && keeps_line(old.settings, settings_.settings(), part.bus) &&
-          means_otherwise(exchange, part, old, settings_.in_force())) {
+          means_otherwise(*exchange, part, old, settings_.in_force())) {
         changed.push_back(part);
       }
     }
-  });
+  }
   for (const Exchange::Part& part : changed) {
     end_unsent(part);
   }

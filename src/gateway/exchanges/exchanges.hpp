@@ -46,12 +46,7 @@ class Pool {
   }
   Object& operator[](std::uint32_t index) { return *objects_[index]; }
   /// All objects; those that are not in use are as new.
-  template <typename Visit>
-  void for_each(Visit visit) const {
-    for (const auto& object : objects_) {
-      visit(*object);
-    }
-  }
+  [[nodiscard]] const auto& all() const { return objects_; }
   [[nodiscard]] std::size_t in_use() const { return objects_.size() - free_.size(); }
 
  private:
@@ -65,9 +60,7 @@ class Exchanges {
       : settings_(settings), buses_(buses), actions_(actions) {}
 
   /// A new exchange, with the settings in force. Returns its index.
-  std::uint32_t open();
-  /// The same with a plan.
-  std::uint32_t open(routing::Plan&& plan);
+  std::uint32_t open(std::optional<routing::Plan>&& plan);
   [[nodiscard]] Exchange& operator[](std::uint32_t index) { return exchanges_[index]; }
   /// When the time of a request that arrived at `exchange.arrival` is over.
   [[nodiscard]] Instant deadline_of(const Exchange& exchange) const;
@@ -97,9 +90,7 @@ class Exchanges {
   void close(std::uint32_t index);
   template <typename Predicate>
   [[nodiscard]] bool any_of(Predicate is_it) const {
-    bool found = false;
-    exchanges_.for_each([&](const Exchange& exchange) { found = found || is_it(exchange); });
-    return found;
+    return std::ranges::any_of(exchanges_.all(), [&](const auto& it) { return is_it(*it); });
   }
   [[nodiscard]] std::size_t open_count() const { return exchanges_.in_use(); }
   /// The transactions of their plans.

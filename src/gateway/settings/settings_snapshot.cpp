@@ -88,13 +88,9 @@ SettingsSnapshot::SettingsSnapshot(Settings given)
       routes(kinds_of(settings), settings.routes, settings.devices),
       devices(settings.devices, settings.buses.size()) {}
 
-const DeviceGuard* SettingsSnapshot::guard(std::size_t device) const {
-  return device < settings.guards.size() ? &settings.guards[device] : nullptr;
-}
-
-std::span<const modbus::Request> SettingsSnapshot::failsafe(std::size_t device) const {
-  const DeviceGuard* known = guard(device);
-  return known != nullptr ? std::span(known->failsafe) : std::span<const modbus::Request>();
+const DeviceGuard& SettingsSnapshot::guard(std::size_t device) const {
+  static const DeviceGuard kNoRules;
+  return device < settings.guards.size() ? settings.guards[device] : kNoRules;
 }
 
 bool is_other_device(const SettingsSnapshot& old, const SettingsSnapshot& next, BusId bus,
@@ -116,8 +112,9 @@ bool has_other_devices(const SettingsSnapshot& old, const SettingsSnapshot& next
   return false;
 }
 
-bool unit_means_otherwise(ListenerId listener, std::uint8_t unit, const SettingsSnapshot& old,
-                          const SettingsSnapshot& next) {
+bool unit_means_otherwise(const UnitOfListener& place, const SettingsSnapshot& old,
+                          const SettingsSnapshot& next, std::optional<BusId> on_bus) {
+  const auto& [listener, unit] = place;
   const bool was_own = old.settings.status_unit == unit;
   const bool is_own = next.settings.status_unit == unit;
   if (was_own || is_own) {
@@ -130,20 +127,20 @@ bool unit_means_otherwise(ListenerId listener, std::uint8_t unit, const Settings
   }
   const routing::Route& from = before->route;
   const routing::Route& to = after->route;
-  const auto leads_to_other_end = [&](BusId bus) {
-    return !old.settings.bus(bus).line.has_end_of(next.settings.bus(bus).line);
-  };
-  if (before->is_broadcast() != after->is_broadcast() || from.buses != to.buses ||
-      from.word_order != to.word_order || from.windows != to.windows ||
-      std::ranges::any_of(to.buses, leads_to_other_end)) {
+  const bool is_broadcast = after->is_broadcast();
+  if (before->is_broadcast() != is_broadcast || from.word_order != to.word_order ||
+      from.windows != to.windows ||
+      (!is_broadcast && from.address_of(unit) != to.address_of(unit))) {
     return true;
   }
-  if (after->is_broadcast()) {
-    return std::ranges::any_of(to.buses,
-                               [&](BusId bus) { return has_other_devices(old, next, bus); });
-  }
-  return from.address_of(unit) != to.address_of(unit) ||
-         is_other_device(old, next, to.buses.front(), to.address_of(unit));
+  const auto differs_on = [&](BusId bus) {
+    return std::ranges::find(to.buses, bus) == to.buses.end() ||
+           !old.settings.bus(bus).line.has_end_of(next.settings.bus(bus).line) ||
+           (is_broadcast ? has_other_devices(old, next, bus)
+                         : is_other_device(old, next, bus, to.address_of(unit)));
+  };
+  return on_bus ? differs_on(*on_bus)
+                : from.buses != to.buses || std::ranges::any_of(to.buses, differs_on);
 }
 
 DeviceIndex::DeviceIndex(std::span<const drive::Device> devices, std::size_t buses)

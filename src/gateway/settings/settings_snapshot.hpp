@@ -54,10 +54,8 @@ struct SettingsSnapshot {
   SettingsSnapshot(const SettingsSnapshot&) = delete;  // its parts refer to each other
   SettingsSnapshot& operator=(const SettingsSnapshot&) = delete;
 
-  /// Nothing: the device has no rules of its own.
-  [[nodiscard]] const DeviceGuard* guard(std::size_t device) const;
-  /// The failsafe writes of a device; none if it has none.
-  [[nodiscard]] std::span<const modbus::Request> failsafe(std::size_t device) const;
+  /// The rules of a device, if there are any.
+  [[nodiscard]] const DeviceGuard& guard(std::size_t device) const;
 
   Settings settings;
   routing::RouteTable routes;
@@ -102,11 +100,15 @@ class SettingsHistory {
 [[nodiscard]] bool has_other_devices(const SettingsSnapshot& old, const SettingsSnapshot& next,
                                      BusId bus);
 
+/// A unit identifier of the clients of a listener.
+using UnitOfListener = std::pair<ListenerId, std::uint8_t>;
+
 /// Does the unit lead to another device or to other registers, is it understood otherwise, or does
 /// it no longer lead anywhere? A bus on another port has other devices. The listener is one of
-/// `old`.
-[[nodiscard]] bool unit_means_otherwise(ListenerId listener, std::uint8_t unit,
-                                        const SettingsSnapshot& old, const SettingsSnapshot& next);
+/// `old`. `on_bus`: of a broadcast only what becomes of it there.
+[[nodiscard]] bool unit_means_otherwise(const UnitOfListener& place, const SettingsSnapshot& old,
+                                        const SettingsSnapshot& next,
+                                        std::optional<BusId> on_bus = std::nullopt);
 
 // Listeners, buses and devices are numbered once, by name. A number keeps its meaning, so that
 // nothing stored under it can mean another thing after a reload.

@@ -65,11 +65,10 @@ std::string subject_of(const StatusReport& report, const DeviceStatus& device) {
 bool is_lately(const std::optional<Duration>& ago) { return ago && *ago < kLately; }
 
 bool speaks(const DeviceStatus& device) {
-  const bus::Quality quality = device.quality.quality;
   const bool is_silent = device.state == DeviceStatus::State::offline ||
                          (device.silence.transmissions() >= kUnansweredInRow &&
                           device.silence.requests() >= kRequestsInRow);
-  return !is_silent || quality == bus::Quality::no_frame || quality == bus::Quality::late;
+  return !is_silent || is_misheard(device);
 }
 
 bool is_asked(const DeviceStatus& device) {

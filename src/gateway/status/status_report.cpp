@@ -23,7 +23,7 @@ std::optional<WaitingClient> most_waiting(const bus::Bus& bus, const Sessions& s
   if (address == nullptr) {  // it may have gone: stops are sent all the same
     return std::nullopt;
   }
-  const bool others_ask = sessions.any([&](const ClientSession& client) {
+  const bool others_ask = std::ranges::any_of(sessions.open(), [&](const ClientSession& client) {
     return client.requests > 0 && client.info().address != *address;
   });
   return WaitingClient{address->to_text(), most->requests, most->of, now - most->since, others_ask};
@@ -134,42 +134,42 @@ void add_unnamed(const bus::Bus& bus, std::size_t place, bool is_serial, Instant
 
 }  // namespace
 
-StatusReport make_status_report(const StatusSources& sources, Duration uptime, Instant now,
-                                bool with_clients) {
-  const Settings& settings = sources.settings;
+StatusReport make_status_report(const StatusView& view, bool with_clients) {
+  const Settings& settings = view.settings;
+  const Instant now = view.now;
   StatusReport report;
-  report.uptime = uptime;
-  report.counters = sources.counters;
+  report.uptime = now - view.started;
+  report.counters = view.counters;
   const auto is_serial = [&](BusId bus) { return !settings.bus(bus).line.remote; };
-  const std::vector<BusId> buses = settings.written_buses();
-  for (const BusId bus : buses) {
-    report.buses.push_back(status_of(sources.buses[bus], settings.bus(bus), now));
-    report.buses.back().most_waiting = most_waiting(sources.buses[bus], sources.sessions, now);
+  for (const BusId bus : view.buses) {
+    report.buses.push_back(status_of(view.all[bus], settings.bus(bus), now));
+    report.buses.back().most_waiting = most_waiting(view.all[bus], view.sessions, now);
   }
-  for (const auto& [device, place] : settings.written_devices()) {
+  for (const auto& [device, place] : view.devices) {
     DeviceStatus status =
-        status_of(sources.buses[device->bus], device->address, is_serial(device->bus), now);
+        status_of(view.all[device->bus], device->address, is_serial(device->bus), now);
     status.name = device->name;
     status.bus = place;
     report.devices.push_back(std::move(status));
   }
-  for (std::size_t place = 0; place < buses.size(); ++place) {
-    add_unnamed(sources.buses[buses[place]], place, is_serial(buses[place]), now, report.devices);
+  for (std::size_t place = 0; place < view.buses.size(); ++place) {
+    add_unnamed(view.all[view.buses[place]], place, is_serial(view.buses[place]), now,
+                report.devices);
   }
   for (std::size_t number = 0; number < settings.listeners.size(); ++number) {
     const auto listener = static_cast<ListenerId>(number);
     if (!settings.listener(listener).is_gone) {
-      const ListenerCounters& counters = sources.sessions.counters(listener);
-      report.listeners.push_back({settings.listener(listener).name, sources.sessions.on(listener),
+      const ListenerCounters& counters = view.sessions.counters(listener);
+      report.listeners.push_back({settings.listener(listener).name, view.sessions.on(listener),
                                   counters, since(counters.recent.failed_at, now)});
     }
   }
   if (with_clients) {
-    sources.sessions.for_each([&](const ClientSession& client) {
+    for (const ClientSession& client : view.sessions.open()) {
       report.clients.push_back({client.info().address.to_text(),
                                 settings.listener(client.info().listener).name, client.requests,
                                 client.refused, client.answers.outstanding()});
-    });
+    }
   }
   return report;
 }

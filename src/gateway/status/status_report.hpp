@@ -21,8 +21,6 @@
 #include <vector>
 
 #include "bus/bus.hpp"
-#include "gateway/bus_set.hpp"
-#include "gateway/clients/sessions.hpp"
 #include "gateway/settings.hpp"
 #include "gateway/status_unit.hpp"
 
@@ -134,16 +132,7 @@ struct StatusReport {
   std::vector<ListenerStatus> listeners;
 };
 
-/// What a report is made of.
-struct StatusSources {
-  const Settings& settings;
-  const BusSet& buses;
-  const Sessions& sessions;
-  const ClientCounters& counters;
-};
-
 /// Made on the thread that serves the buses: `with_clients` only for who shows each of them.
-StatusReport make_status_report(const StatusSources& sources, Duration uptime, Instant now,
-                                bool with_clients);
+StatusReport make_status_report(const StatusView& view, bool with_clients);
 
 }  // namespace mbgate::gateway

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <chrono>
+#include <functional>
 
 #include "gateway/trace/trace_book.hpp"
 #include "modbus/frames.hpp"
@@ -76,13 +77,22 @@ bool is_transaction_of(modbus::Bytes adu, const WireTrace& wire) {
 
 }  // namespace
 
+template <typename IsCut>
+void LineTrace::cut(IsCut is_cut, Instant now) {
+  const auto all = std::ranges::stable_partition(in_flight_, std::not_fn(is_cut));
+  for (Told& it : all) {
+    it.wire.outcome = WireTrace::Outcome::cut;
+    it.wire.ended_at = now;
+    reported_.push_back(std::move(it));
+  }
+  in_flight_.erase(all.begin(), all.end());
+}
+
 void LineTrace::opened(const WireTrace& blank, Instant now) {
   if (!partial_.empty()) {
     hear_adu(std::exchange(partial_, {}), blank, now);
   }
-  for (Flight& cut : std::exchange(in_flight_, {})) {
-    end_cut(std::move(cut), now);
-  }
+  cut([](const Told&) { return true; }, now);
   end_unasked();
   from_before_ = 0;
   echo_.clear();
@@ -94,14 +104,7 @@ void LineTrace::began(const bus::TransmissionBegan& began, WireTrace wire) {
   echo_.clear();
   const bool is_serial = wire.framing != bus::Framing::tcp;
   from_before_ = is_serial ? 0 : from_before_;
-  for (auto it = in_flight_.begin(); it != in_flight_.end();) {
-    if (is_serial || it->title.job == began.title.job) {
-      end_cut(std::move(*it), wire.sent_at);
-      it = in_flight_.erase(it);
-    } else {
-      ++it;
-    }
-  }
+  cut([&](const Told& it) { return is_serial || it.title.job == began.title.job; }, wire.sent_at);
   wire.tries = began.tries;
   wire.silent_since = began.silent_since;
   wire.left_at = began.leaves_at;
@@ -149,7 +152,7 @@ void LineTrace::hear_adus(modbus::Bytes bytes, const WireTrace& blank, Instant n
 
 void LineTrace::hear_adu(modbus::Bytes adu, const WireTrace& blank, Instant now) {
   const auto asked = std::ranges::find_if(
-      in_flight_, [&](const Flight& it) { return is_transaction_of(adu, it.wire); });
+      in_flight_, [&](const Told& it) { return is_transaction_of(adu, it.wire); });
   if (asked != in_flight_.end()) {
     keep(asked->wire, adu, now);
   } else {
@@ -176,7 +179,7 @@ void LineTrace::hear_unasked(modbus::Bytes bytes, const WireTrace& blank, Instan
 
 void LineTrace::over(const bus::TransmissionOver& over, Instant now) {
   const auto it = std::ranges::find_if(
-      in_flight_, [&](const Flight& flight) { return flight.title.job == over.title.job; });
+      in_flight_, [&](const Told& flight) { return flight.title.job == over.title.job; });
   if (it == in_flight_.end()) {
     from_before_ -= from_before_ > 0 ? 1 : 0;  // it began before anybody read along
     return;
@@ -200,14 +203,7 @@ void LineTrace::over(const bus::TransmissionOver& over, Instant now) {
 }
 
 void LineTrace::answered(std::uint32_t request, Instant now) {
-  for (auto it = in_flight_.begin(); it != in_flight_.end();) {
-    if (std::ranges::count(it->title.requests, request) > 0) {
-      end_cut(std::move(*it), now);
-      it = in_flight_.erase(it);
-    } else {
-      ++it;
-    }
-  }
+  cut([&](const Told& it) { return std::ranges::count(it.title.requests, request) > 0; }, now);
 }
 
 void LineTrace::rest(Instant now) {
@@ -220,12 +216,6 @@ void LineTrace::end_unasked() {
   if (unasked_) {
     reported_.push_back({{}, *std::exchange(unasked_, std::nullopt)});
   }
-}
-
-void LineTrace::end_cut(Flight cut, Instant now) {
-  cut.wire.outcome = WireTrace::Outcome::cut;
-  cut.wire.ended_at = now;
-  reported_.push_back({std::move(cut.title), std::move(cut.wire)});
 }
 
 }  // namespace mbgate::gateway

@@ -28,12 +28,6 @@ void TraceBook::set_on(bool on) {
   }
 }
 
-void TraceBook::begin_amid(const std::vector<std::pair<BusId, std::size_t>>& in_flight) {
-  for (const auto& [bus, count] : in_flight) {
-    lines_[bus].begin_amid(count);
-  }
-}
-
 void TraceBook::refused(AskedTrace asked) {
   asked.refused = true;
   TraceRecord record;
@@ -88,23 +82,23 @@ void TraceBook::opened(BusId bus, Instant now) {
   collect(lines_[bus]);
 }
 
-void TraceBook::began(BusId bus, const bus::TransmissionBegan& began, Instant now) {
-  WireTrace wire = blank(bus, began.address);
-  wire.device = began.is_broadcast ? "" : wire.device;
-  wire.sent_at = now;
-  lines_[bus].began(began, std::move(wire));
-  collect(lines_[bus]);
+void TraceBook::acted(BusId bus, const bus::BusAction& action, Instant now) {
+  LineTrace& line = lines_[bus];
+  if (const auto* began = std::get_if<bus::TransmissionBegan>(&action)) {
+    WireTrace wire = blank(bus, began->address);
+    wire.device = began->is_broadcast ? "" : wire.device;
+    wire.sent_at = now;
+    line.began(*began, std::move(wire));
+  } else if (const auto* transmit = std::get_if<bus::TransmitFrame>(&action)) {
+    line.transmitted(transmit->frame);
+  } else if (const auto* over = std::get_if<bus::TransmissionOver>(&action)) {
+    line.over(*over, now);
+  }
+  collect(line);
 }
-
-void TraceBook::transmitted(BusId bus, modbus::Bytes frame) { lines_[bus].transmitted(frame); }
 
 void TraceBook::heard(BusId bus, modbus::Bytes bytes, Instant now) {
   lines_[bus].heard(bytes, blank(bus), now);
-  collect(lines_[bus]);
-}
-
-void TraceBook::over(BusId bus, const bus::TransmissionOver& over, Instant now) {
-  lines_[bus].over(over, now);
   collect(lines_[bus]);
 }
 

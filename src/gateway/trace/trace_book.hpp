@@ -29,7 +29,7 @@ class LineTrace {
   /// What is kept of a transmission: twice what the longest answer has, in ASCII.
   static constexpr std::size_t kMostHeard = 1024;
 
-  /// What has come to its end. Without requests: bytes that nobody had asked for.
+  /// A transmission. Without requests: bytes that nobody had asked for.
   struct Told {
     bus::TransmissionTitle title;
     WireTrace wire;
@@ -51,22 +51,20 @@ class LineTrace {
   /// Bytes that nobody had asked for come to their end with a pause, or after a while.
   void rest(Instant now);
 
+  /// What has come to its end.
   std::vector<Told> take() { return std::exchange(reported_, {}); }
 
  private:
-  struct Flight {
-    bus::TransmissionTitle title;
-    WireTrace wire;
-  };
-
   void hear_adus(modbus::Bytes bytes, const WireTrace& blank, Instant now);
   /// An ADU, or the beginning of one.
   void hear_adu(modbus::Bytes adu, const WireTrace& blank, Instant now);
   void hear_unasked(modbus::Bytes bytes, const WireTrace& blank, Instant now);
   void end_unasked();
-  void end_cut(Flight cut, Instant now);
+  /// Those of the transmissions on the wire are cut for which `is_cut` holds.
+  template <typename IsCut>
+  void cut(IsCut is_cut, Instant now);
 
-  std::vector<Flight> in_flight_;
+  std::vector<Told> in_flight_;
   std::optional<WireTrace> unasked_;
   ByteString partial_;  // of a connection: the beginning of an ADU
   std::size_t from_before_ = 0;
@@ -86,9 +84,9 @@ class TraceBook {
   [[nodiscard]] bool is_on() const { return on_; }
   /// Off: everything is forgotten. On: what is asked from now on is traced.
   void set_on(bool on);
-  /// So many transmissions of these buses began before anybody read along: what is heard of them is
-  /// not told.
-  void begin_amid(const std::vector<std::pair<BusId, std::size_t>>& in_flight);
+  /// So many transmissions of the bus began before anybody read along: what is heard of them is not
+  /// told.
+  void begin_amid(BusId bus, std::size_t in_flight) { lines_[bus].begin_amid(in_flight); }
 
   /// A request that is answered at once.
   void refused(AskedTrace asked);
@@ -103,12 +101,10 @@ class TraceBook {
 
   /// What comes from the line now is no part of what came before.
   void opened(BusId bus, Instant now);
-  void began(BusId bus, const bus::TransmissionBegan& began, Instant now);
-  /// The frame of the transmission that began last on this bus.
-  void transmitted(BusId bus, modbus::Bytes frame);
+  /// What a bus does. Much of it does not matter here.
+  void acted(BusId bus, const bus::BusAction& action, Instant now);
   /// To be called before the bus gets the bytes.
   void heard(BusId bus, modbus::Bytes bytes, Instant now);
-  void over(BusId bus, const bus::TransmissionOver& over, Instant now);
 
   struct Taken {
     std::vector<TraceRecord> records;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <fmt/core.h>
 
 #include "gateway/trace/trace_record.hpp"
 #include "modbus/describe.hpp"
-#include "modbus/frames.hpp"
-#include "modbus/request.hpp"
 #include "modbus/response.hpp"
 
 namespace mbgate::gateway {
@@ -20,13 +19,6 @@ ByteString all_heard(const WireTrace& wire) {
     all.insert(all.end(), part.bytes.begin(), part.bytes.end());
   }
   return all;
-}
-
-std::string body_text(const modbus::RtuAdu& adu, Direction direction) {
-  const Bytes pdu = adu.pdu.bytes();
-  return fmt::format("unit {}: {}", adu.address,
-                     direction == Direction::request ? modbus::describe_request(pdu)
-                                                     : modbus::describe_response(pdu));
 }
 
 /// Of bytes that nobody had asked for: whose meaning fits.
@@ -68,12 +60,12 @@ std::string bad_rtu(Bytes bytes) {
 
 std::string rtu_text(Bytes bytes, Direction direction) {
   const auto adu = modbus::decode_rtu(bytes);
-  return adu ? body_text(*adu, direction) : bad_rtu(bytes);
+  return adu ? modbus::describe_adu(*adu, direction) : bad_rtu(bytes);
 }
 
 std::string ascii_text(Bytes bytes, Direction direction) {
   if (const auto adu = modbus::decode_ascii(bytes)) {
-    return body_text(*adu, direction);
+    return modbus::describe_adu(*adu, direction);
   }
   return modbus::ascii_content(bytes) ? "its LRC is wrong" : "no complete ASCII frame";
 }
@@ -102,15 +94,8 @@ std::string frame_text(const WireTrace& wire, Bytes bytes, Direction direction) 
 }  // namespace
 
 const char* to_text(WireTrace::Outcome outcome) {
-  switch (outcome) {
-    case WireTrace::Outcome::answered: return "answered";
-    case WireTrace::Outcome::sent: return "sent";
-    case WireTrace::Outcome::no_response: return "no response";
-    case WireTrace::Outcome::damaged: return "damaged";
-    case WireTrace::Outcome::cut: return "cut";
-    case WireTrace::Outcome::unasked: return "unasked";
-  }
-  return "";
+  constexpr std::array kTexts{"answered", "sent", "no response", "damaged", "cut", "unasked"};
+  return kTexts.at(static_cast<std::size_t>(outcome));
 }
 
 const char* to_text(bus::Ending ending, bool was_sent) {
@@ -136,7 +121,7 @@ std::string heard_text(const WireTrace& wire) {
   const ByteString all = all_heard(wire);
   const auto frame = modbus::decode_rtu(all);
   if (wire.outcome == WireTrace::Outcome::unasked && wire.framing == bus::Framing::rtu && frame) {
-    return body_text(*frame, direction_of(*frame));
+    return modbus::describe_adu(*frame, direction_of(*frame));
   }
   Bytes rest = all;
   std::string text;

@@ -26,7 +26,7 @@ bool FailsafeWrites::Watch::is_under_way() const {
 }
 
 const DeviceGuard& FailsafeWrites::guard(std::size_t device) const {
-  return *settings_.in_force().guard(device);
+  return settings_.in_force().guard(device);
 }
 
 bool FailsafeWrites::counts(std::size_t device, const Watch& watch, ClientId client) const {
@@ -170,7 +170,7 @@ void FailsafeWrites::send(std::size_t place, Watch& watch, Instant now) {
   for (std::size_t at = 0; at < watch.writes.size(); ++at) {
     Write& write = watch.writes[at];
     if (!write.is_acknowledged) {
-      const std::uint32_t index = write.exchange.emplace(exchanges_.open());
+      const std::uint32_t index = write.exchange.emplace(exchanges_.open(std::nullopt));
       exchanges_[index].client_gone = true;
       bus::Job& job = exchanges_.add_job(index, device.bus, {}, now);
       job.job_class = bus::JobClass::stop;
@@ -246,7 +246,7 @@ void FailsafeWrites::adopt(const SettingsSnapshot& before) {
   const auto& devices = next.settings.devices;
   auto old = std::exchange(watches_, {});
   for (std::size_t device = 0; device < devices.size(); ++device) {
-    if (!next.failsafe(device).empty()) {
+    if (!next.guard(device).failsafe.empty()) {
       watches_[device];
     }
   }

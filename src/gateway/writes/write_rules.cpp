@@ -43,16 +43,16 @@ std::optional<WriteRules::Objection> WriteRules::objection(std::size_t device,
                                                            const WriteOrigin& origin,
                                                            Instant now) const {
   const Known& known = known_[device];
-  const DeviceGuard* guard = settings_->guard(device);
-  switch (guard == nullptr ? WriterRule::any : guard->writer) {
+  const DeviceGuard& guard = settings_->guard(device);
+  switch (guard.writer) {
     case WriterRule::any: break;
     case WriterRule::first:
-      if (known.writer != origin.key && now < known.wrote_at + guard->writer_hold) {
+      if (known.writer != origin.key && now < known.wrote_at + guard.writer_hold) {
         return Objection{ExceptionCode::server_device_busy, true};
       }
       break;
     case WriterRule::listed:
-      if (!guard->writers.contains(origin.info.address, origin.info.role)) {
+      if (!guard.writers.contains(origin.info.address, origin.info.role)) {
         return Objection{ExceptionCode::illegal_function, true};
       }
       break;

@@ -36,7 +36,7 @@ class LinesAlone : public testing::Test {
   /// A request for a register of unit 1.
   std::uint32_t ask(Instant now) {
     const auto* route = settings_.in_force().routes.find(ListenerId{0}, 1);
-    const std::uint32_t index = exchanges_.open();
+    const std::uint32_t index = exchanges_.open(std::nullopt);
     gateway::Exchange& exchange = exchanges_[index];
     exchange.route = route;
     exchange.header = {1, 1};

@@ -49,6 +49,15 @@ TEST_F(ClientsAlone, AnswerWhatNeedsNoBus) {
   EXPECT_EQ(clients_.counters().requests, 1U);
 }
 
+TEST_F(ClientsAlone, AreNotLetInWhenTheGatewayStops) {
+  clients_.set_phase(gateway::Phase::only_stops);
+  clients_.handle(gateway::ClientConnected{ClientId{1}, info_of("192.0.2.1")}, now_);
+  EXPECT_EQ(clients_.sessions().size(), 0U);
+  const auto refused = reports<gateway::ClientRefused>(actions_);
+  ASSERT_THAT(refused, testing::SizeIs(1));
+  EXPECT_EQ(refused[0].reason, gateway::RefusalReason::stopping);
+}
+
 TEST_F(ClientsAlone, AreAnsweredWhenTheJobsOfTheirRequestHaveEnded) {
   clients_.handle(gateway::ClientConnected{ClientId{1}, info_of("192.0.2.1")}, now_);
   receive("0001 0000 0006 01 03 0000 0001");
@@ -63,7 +72,7 @@ TEST_F(ClientsAlone, GetNothingOnceTheyAreGone) {
   clients_.handle(gateway::ClientConnected{ClientId{1}, info_of("192.0.2.1")}, now_);
   receive("0001 0000 0006 01 03 0000 0001");
   clients_.handle(gateway::ClientDisconnected{ClientId{1}}, now_);
-  EXPECT_EQ(clients_.size(), 0U);
+  EXPECT_EQ(clients_.sessions().size(), 0U);
   clients_.sweep();
   if (const auto index = exchanges_.take_completed()) {
     clients_.complete(*index, now_);
