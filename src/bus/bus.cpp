@@ -154,14 +154,6 @@ void Bus::collect(Instant now) {
   }
 }
 
-bool Bus::submit(Job& job, Instant now) {
-  const Admitted admitted = admission_.admit(job, now);
-  if (admitted != Admitted::ended) {
-    dispatch_.pump(now);
-  }
-  return admitted != Admitted::refused;
-}
-
 void Bus::withdraw(Job& job) {
   parts_.queue.remove(job);
   ends_.release(job);

@@ -7,10 +7,8 @@
 
 #include <span>
 
-#include "bus/bus_view.hpp"
 #include "bus/health/line_diagnosis.hpp"
 #include "bus/parts.hpp"
-#include "bus/queue/admission.hpp"
 #include "bus/transmission/dispatch.hpp"
 #include "bus/transmission/job_ends.hpp"
 #include "bus/transmission/outcomes.hpp"
@@ -66,8 +64,8 @@ class Bus {
   [[nodiscard]] const BusCounters& counters() const { return parts_.counters; }
   /// What is known of each address.
   [[nodiscard]] const DeviceTable& devices() const { return parts_.devices; }
-  /// What waits, what is on the wire, the state of the line.
-  [[nodiscard]] BusView view() const { return BusView(parts_); }
+  /// All of it, to be shown: what waits, what is on the wire, the state of the line.
+  [[nodiscard]] const Parts& parts() const { return parts_; }
   /// What was noticed of the line: what the answers are like, how busy it is, other clients.
   [[nodiscard]] const LineDiagnosis& diagnosis() const { return diagnosis_; }
   void clear_counters();
@@ -84,7 +82,7 @@ class Bus {
   LineDiagnosis diagnosis_{parts_};
   Outcomes outcomes_{parts_, ends_, diagnosis_};
   Dispatch dispatch_{parts_, ends_, outcomes_, diagnosis_};
-  Admission admission_{parts_, ends_};
+  std::uint64_t sequence_ = 0;  // of the job that was accepted last
 };
 
 }  // namespace mbgate::bus

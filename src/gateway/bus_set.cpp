@@ -120,8 +120,8 @@ void BusSet::set_traced(bool traced) {
 std::vector<std::pair<BusId, std::size_t>> BusSet::in_flight() const {
   std::vector<std::pair<BusId, std::size_t>> busy;
   for_each([&](BusId id, const bus::Bus& it) {
-    if (it.view().in_flight() > 0) {
-      busy.emplace_back(id, it.view().in_flight());
+    if (it.parts().transmissions.in_flight() > 0) {
+      busy.emplace_back(id, it.parts().transmissions.in_flight());
     }
   });
   return busy;

@@ -5,7 +5,7 @@
 namespace mbgate::explore {
 
 void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
-  auto& [parts, listens_first_until, ends, diagnosis, outcomes, dispatch, admission] = bus;
+  auto& [parts, listens_first_until, ends, diagnosis, outcomes, dispatch, sequence] = bus;
   hash.until(listens_first_until.value_or(hash.now()));
   // Settings: settings. Counted only: counters. Watches real adapters only: adapter. For the trace:
   // is_traced. Empty when the machine was asked for its actions: actions.
@@ -14,7 +14,6 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   // Told only: diagnosis. They know nothing of their own: ends, outcomes, scheduler.
   const auto& [of_dispatch, its_ends, its_outcomes, its_diagnosis, scheduler, next_wake, looking] =
       dispatch;
-  const auto& [of_admission, ends_too, sequence] = admission;
   bool may_be_offline = false;
   for (const drive::Device& device : devices.devices()) {
     may_be_offline = may_be_offline || device.timing.offline_after != 0;

@@ -22,7 +22,7 @@ enum class DeviceState : std::uint8_t {
   not_answering = 2,  ///< it has not
   offline = 3,        ///< it has not answered for so long that it is only probed
   damaged = 4,        ///< its last answers had a bad CRC or LRC
-  line_not_open = 5   ///< it was answering when its line was lost (BusView::state_of)
+  line_not_open = 5   ///< it was answering when its line was lost (Parts::state_of)
 };
 
 /// The state that lasts, and when it began.

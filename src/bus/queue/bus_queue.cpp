@@ -81,8 +81,7 @@ void BusQueue::remove(Job& job) {
 
 Job* BusQueue::first_to_expire() { return by_deadline_.empty() ? nullptr : &*by_deadline_.begin(); }
 
-std::optional<BusQueue::Most> BusQueue::most_waiting(
-    const std::bitset<kAddresses>& held_back) const {
+std::optional<BusQueue::Most> BusQueue::most_waiting(const Addresses& held_back) const {
   Most most;
   std::size_t all = 0;
   for (const Source& source : round_) {
@@ -99,9 +98,10 @@ std::optional<BusQueue::Most> BusQueue::most_waiting(
   return all == 0 ? std::nullopt : std::optional(most);
 }
 
-std::optional<Instant> BusQueue::oldest() const {
+Duration BusQueue::longest_wait(Instant now) const {
   const auto first = std::ranges::min_element(by_deadline_, {}, &Job::accepted_at);
-  return first == by_deadline_.end() ? std::nullopt : std::optional(first->accepted_at);
+  return first == by_deadline_.end() ? Duration{0}
+                                     : std::max(now - first->accepted_at, Duration{0});
 }
 
 std::optional<Instant> BusQueue::first_deadline() const {

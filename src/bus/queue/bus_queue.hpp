@@ -76,8 +76,8 @@ class BusQueue {
   [[nodiscard]] Job* first_to_expire();
   [[nodiscard]] std::optional<Instant> first_deadline() const;
   [[nodiscard]] std::size_t size() const { return by_deadline_.size(); }
-  /// When the job was accepted that has waited longest.
-  [[nodiscard]] std::optional<Instant> oldest() const;
+  /// How long the job has waited that waits longest.
+  [[nodiscard]] Duration longest_wait(Instant now) const;
   /// The client address with the most waiting requests.
   struct Most {
     FairnessKey source{};
@@ -87,7 +87,7 @@ class BusQueue {
   };
   /// Requests for the addresses that are held back do not count: the line is not what they wait
   /// for.
-  [[nodiscard]] std::optional<Most> most_waiting(const std::bitset<kAddresses>& held_back) const;
+  [[nodiscard]] std::optional<Most> most_waiting(const Addresses& held_back) const;
 
  private:
   using JobList = boost::intrusive::list<

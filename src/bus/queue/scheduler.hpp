@@ -6,7 +6,7 @@
 // To change
 // - what is sent next, what waits for a booting drive, what is sent between two tries: scheduler,
 //   bus_queue.
-// - what is refused or answered before it waits, eviction: admission.
+// - what is refused or answered before it waits, eviction: bus/admission.
 // - the order among stops, also to drives that do not answer: scheduler_stops; their tries:
 //   bus/transmission/outcomes.
 #pragma once

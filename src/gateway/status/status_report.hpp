@@ -9,7 +9,7 @@
 // - faults, and when they are found: of a device diagnosis, of a line line_findings.
 // - the duration of requests: bus/durations; transmissions unanswered since a device was
 //   heard: bus/health/silence; the state of a device, and its beginning: bus/health/device_health.
-// - requests that wait for a line: bus/bus_view; its load, and other clients on
+// - requests that wait for a line: bus/parts; its load, and other clients on
 //   it: bus/health/line_diagnosis.
 // - the registers of unit 255: gateway/status_unit, and the table in docs/status.md; another
 //   layout: kLayoutVersion.
