@@ -132,24 +132,23 @@ void Bus::collect(Instant now) {
     diagnose_others();
   }
   while (const auto fault = parts_.line.take_fault()) {
-    if (fault == LineFault::framing_lost || fault == LineFault::driver_stalled) {
+    // The far end takes what is sent, and says nothing, or nothing that can be followed.
+    const bool is_useless = fault == LineFault::unanswered || fault == LineFault::answer_cut_off;
+    if (is_useless && parts_.stopping) {
+      continue;
+    }
+    if (fault != LineFault::framing_lost &&
+        (fault != LineFault::unanswered || diagnosis_.note_unanswered_connection())) {
+      parts_.actions.push(LineNotice{*fault});
+    }
+    if (is_useless) {
+      ++parts_.counters.losses;
+      parts_.actions.push(CloseLine{});
+      dispatch_.rest(now);
+    } else if (fault == LineFault::framing_lost || fault == LineFault::driver_stalled) {
       // What the driver still holds is dropped with the line: it must not leave later.
-      if (fault == LineFault::driver_stalled) {
-        parts_.actions.push(LineNotice{*fault});
-      }
       parts_.actions.push(CloseLine{});
       handle_lost(now);
-    } else if (fault != LineFault::unanswered && fault != LineFault::answer_cut_off) {
-      parts_.actions.push(LineNotice{*fault});
-    } else if (!parts_.stopping) {
-      // The far end takes what is sent, and says nothing, or nothing that can be followed.
-      ++parts_.counters.losses;
-      const bool is_silent = fault == LineFault::unanswered;
-      if (!is_silent) {
-        parts_.actions.push(LineNotice{*fault});
-      }
-      parts_.actions.push(ReplaceLine{is_silent && diagnosis_.note_unanswered_connection()});
-      dispatch_.rest(now);
     }
   }
 }
