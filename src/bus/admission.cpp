@@ -17,11 +17,7 @@ bool is_begun(const Job& stop) {
 }
 
 bool are_same(const Job& one, const Job& other) {
-  return std::ranges::equal(
-      one.transactions, other.transactions, [](const Transaction& a, const Transaction& b) {
-        return a.address == b.address && a.unit == b.unit && a.broadcast == b.broadcast &&
-               a.request.pdu() == b.request.pdu();
-      });
+  return std::ranges::equal(one.transactions, other.transactions, &Transaction::is_like);
 }
 
 // The forms of a broadcast are one command: it is a stop if any device takes it for one.
@@ -62,7 +58,7 @@ std::optional<Ending> end_at_once(Parts& parts, Job& job, Instant now) {
   DeviceEntry& entry = parts.devices[job.address()];
   if (entry.health.is_offline() &&
       (now < held_until(parts, job) || !parts.probes.may_ask(job, now))) {
-    entry.health.set_wanted_at(now);
+    entry.wanted_at = now;
     ++parts.counters.refused_offline;
     return Ending::offline;
   }
@@ -127,7 +123,7 @@ bool Bus::submit(Job& job, Instant now) {
   } else {
     job.accepted = true;
     if (job.job_class != JobClass::read) {
-      parts_.devices.begin_write(job);
+      parts_.devices.note_write(job, &ReadCache::begin_write);
     }
     parts_.probes.note_accepted(job);
   }

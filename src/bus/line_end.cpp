@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "modbus/response.hpp"
-
 namespace mbgate::bus {
 
 OwedAnswers::iterator first_fit(OwedAnswers& owed, const modbus::Pdu& response) {

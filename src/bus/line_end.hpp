@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reports of a line discipline to the bus above it: how transmissions ended, and faults of the
-// line itself.
+// The reports of a line discipline to the bus above it: how transmissions ended, frames that answer
+// no pending request, and faults of the line itself.
 #pragma once
 
 #include <boost/container/static_vector.hpp>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bus/job.hpp"
+#include "modbus/response.hpp"
 
 namespace mbgate::bus {
 
@@ -78,13 +79,56 @@ enum class LineFault : std::uint8_t {
   answer_cut_off,
   driver_stalled  ///< the driver still holds bytes that should have left long ago
 };
-/// Faults that were noticed and not yet reported.
-using LineFaults = boost::container::static_vector<LineFault, 8>;
-/// The fault is dropped if the list is full.
-inline void note_fault(LineFaults& faults, LineFault fault) {
-  if (faults.size() < faults.capacity()) {
-    faults.push_back(fault);
+/// A valid frame that answers no pending request.
+struct UnsolicitedFrame {
+  std::uint8_t address;
+  modbus::Pdu pdu;
+  bool is_response;      ///< it has the length of a response
+  bool is_request;       ///< it can only be a request
+  bool after_noise;      ///< other bytes came before it: it may look like a frame only by chance
+  bool is_echo = false;  ///< found to be the echo of the last read
+  Instant came;          ///< when its last byte came; what it was may be known only later
+  Duration pause{0};     ///< it was cut by a pause that is longer than frame_slack
+
+  UnsolicitedFrame(std::uint8_t from, const modbus::Pdu& heard, Instant when, bool noisy = false)
+      : address(from), pdu(heard), after_noise(noisy), came(when) {
+    is_response = is_whole(modbus::response_length(pdu.bytes()));
+    is_request = !is_response && is_whole(modbus::request_length(pdu.bytes())) &&
+                 modbus::Request::parse(pdu).has_value();
   }
-}
+
+ private:
+  [[nodiscard]] bool is_whole(const modbus::PduLength& length) const {
+    return length.kind == modbus::PduLength::Kind::known && length.bytes == pdu.bytes().size();
+  }
+};
+
+/// What was noticed and is not told yet: `Most` of it; more is dropped.
+template <typename Thing, std::size_t Most>
+class Untold {
+ public:
+  void add(const Thing& thing) {
+    if (things_.size() < Most) {
+      things_.push_back(thing);
+    }
+  }
+  /// Removes and returns the oldest; nothing if there is none.
+  std::optional<Thing> take() {
+    if (things_.empty()) {
+      return std::nullopt;
+    }
+    Thing thing = things_.front();
+    things_.erase(things_.begin());
+    return thing;
+  }
+  void clear() { things_.clear(); }
+  [[nodiscard]] bool empty() const { return things_.empty(); }
+
+ private:
+  boost::container::static_vector<Thing, Most> things_;
+};
+using LineFaults = Untold<LineFault, 8>;
+template <std::size_t Most>
+using UnsolicitedFrames = Untold<UnsolicitedFrame, Most>;
 
 }  // namespace mbgate::bus

@@ -24,7 +24,7 @@ struct Parts {
   Parts(const BusSettings& in_force, std::span<const drive::Device> known)
       : settings(in_force),
         devices(in_force, known),
-        line(in_force, counters),
+        line(settings, counters),
         queue(in_force.queue),
         transmissions(most_in_flight()),
         probes(settings, devices),

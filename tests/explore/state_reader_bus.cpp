@@ -52,11 +52,11 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   for (const bus::Transmission& stop : waiting_stops) {
     read(stop, devices, gateway, hash);
   }
-  for (const auto& [address, unit, broadcast, request, at] : acknowledged.stops_) {
-    require(unit == address, "no device has every unit");
-    hash.add(address);
-    hash.add(broadcast.has_value());
-    hash.add(request.bytes());
+  for (const auto& [sent, at] : acknowledged.stops_) {
+    require(sent.unit == sent.address, "no device has every unit");
+    hash.add(sent.address);
+    hash.add(sent.is_broadcast());
+    hash.add(sent.request.pdu().bytes());
     hash.since(at, bus::kStopCountsFor);
   }
   read(devices, sight, hash);
@@ -186,10 +186,10 @@ void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& 
   // told only: counters, early_reported, second_reported, misfit_reported, pause_reported,
   // owed_until, asked_at, silence, times, second_at, second_read_at, setting, unreached,
   // failed_stop.
-  const auto& [device, counters, health, hold, cache, free_at, probe, setting_known, early_reported,
-               stop_unanswered, stops_given_up, second_reported, misfit_reported, pause_reported,
-               owed_until, others_at, asked_at, silence, times, second_at, second_read_at, setting,
-               unreached, failed_stop] = entry;
+  const auto& [device, counters, health, hold, cache, free_at, probe, probe_at, wanted_at,
+               setting_known, early_reported, stop_unanswered, stops_given_up, second_reported,
+               misfit_reported, pause_reported, owed_until, others_at, asked_at, silence, times,
+               second_at, second_read_at, setting, unreached, failed_stop] = entry;
   read(health, entry.in_force(), hash);
   read(hold, entry.in_force(), hash);
   read(cache, device->cache, hash);
@@ -199,17 +199,16 @@ void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& 
   hash.add(stop_unanswered);
   hash.add(stops_given_up);
   if (sight.may_be_offline && health.is_offline()) {
-    hash.since(health.probe_at(), kFarPast);
-    hash.since(health.wanted_at(), entry.in_force().probe_interval);
+    hash.since(probe_at, kFarPast);
+    hash.since(wanted_at, entry.in_force().probe_interval);
   }
 }
 
 void StateReader::read(const bus::DeviceHealth& health, const drive::DeviceTiming& timing,
                        Hash& hash) {
-  // Read with the entry, because they count only offline: probe_at, wanted_at. On a serial line all
-  // that may end was sent later than what was answered: answered_sent. Shown only: damaged_in_row.
-  const auto& [unanswered_in_row, answered_sent, damaged_in_row, state, probe_at, wanted_at] =
-      health;
+  // On a serial line all that may end was sent later than what was answered: answered_sent. Shown
+  // only: damaged_in_row, since.
+  const auto& [unanswered_in_row, answered_sent, damaged_in_row, state, since] = health;
   if (timing.offline_after != 0) {
     hash.add(unanswered_in_row);
   }

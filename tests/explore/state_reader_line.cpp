@@ -6,7 +6,7 @@ namespace mbgate::explore {
 
 void StateReader::read(const bus::LineDiscipline& line, const Sight& sight, Hash& hash) {
   // Only where the far end may close: use.
-  const auto& [variant, use] = line;
+  const auto& [use, variant] = line;
   read(std::get<bus::SerialDiscipline>(variant), sight, hash);
 }
 

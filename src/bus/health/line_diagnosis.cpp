@@ -25,8 +25,12 @@ bool is_own(const Parts& parts, const UnsolicitedFrame& unsolicited) {
 // is the echo of the oldest such write, unless that is an earlier try of what it is asked now.
 UnsolicitedFrame as_plain_echo(Parts& parts, const UnsolicitedFrame& frame) {
   const Transmission* asked = parts.transmissions.in_flight_to(frame.address);
+  const DeviceEntry& entry = parts.devices[frame.address];
+  const auto* const write = entry.hold.oldest_that([&](const modbus::Request& it) {
+    return entry.device->takes_limited(it, frame.pdu.bytes());
+  });
   UnsolicitedFrame plain = frame;
-  plain.pdu = parts.devices[frame.address].plain_echo(frame.pdu);
+  plain.pdu = write == nullptr ? frame.pdu : write->pdu();
   const bool is_own_try = is_own(parts, plain) && asked->tries > 1 && !asked->is_stop();
   return is_own_try || parts.line.serial() == nullptr ? frame : plain;
 }
@@ -106,16 +110,12 @@ void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end, Instant n
 
 void LineDiagnosis::note_silence(const Asked& asked, Instant now) {
   Silence& silence = parts_.devices[asked.address].silence;
-  switch (asked.how) {
-    case LineEnd::How::response: silence.note_answer(now); break;
-    case LineEnd::How::damaged:
-    case LineEnd::How::misfit: silence.note_damaged(now); break;
-    case LineEnd::How::no_response:
-      if (asked.wants_answer) {
-        silence.note_unanswered(asked.sent, asked.is_first);
-      }
-      break;
-    case LineEnd::How::sent: break;
+  if (asked.how == LineEnd::How::response) {
+    silence.note_answer(now);
+  } else if (asked.how == LineEnd::How::damaged || asked.how == LineEnd::How::misfit) {
+    silence.note_damaged(now);
+  } else if (asked.how == LineEnd::How::no_response && asked.wants_answer) {
+    silence.note_unanswered(asked.sent, asked.is_first);
   }
 }
 

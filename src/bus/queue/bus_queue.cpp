@@ -19,11 +19,6 @@ bool BusQueue::push(Job& job) {
   }
   Source& source = source_of(job);
   source.waiting.push_back(job);
-  link(job, source);
-  return true;
-}
-
-void BusQueue::link(Job& job, Source& source) {
   source.weight = job.weight;
   if (!source.round_hook.is_linked()) {
     source.turns = source.weight;
@@ -33,6 +28,7 @@ void BusQueue::link(Job& job, Source& source) {
   if (is_write(job.job_class)) {
     writes_.insert(job);
   }
+  return true;
 }
 
 Job* BusQueue::read_to_evict() {

@@ -127,7 +127,6 @@ class BusQueue {
                                             &Source::round_hook>>;
 
   Source& source_of(const Job& job);
-  void link(Job& job, Source& source);
   template <typename Visit>
   static bool visit_source(Source& source, JobClass job_class, Visit& visit) {
     std::bitset<kAddresses> seen;

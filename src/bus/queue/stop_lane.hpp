@@ -97,17 +97,19 @@ class AcknowledgedStops {
  public:
   /// The device acknowledged the stop. A broadcast, which nobody acknowledges, was sent.
   void note(const Transaction& stop, Instant now) {
-    std::erase_if(stops_, [&](const Stop& it) { return is_over(it, now) || is_same(it, stop); });
-    stops_.push_back({stop.address, stop.unit, stop.broadcast, stop.request.pdu(), now});
+    std::erase_if(stops_,
+                  [&](const Stop& it) { return is_over(it, now) || it.sent.is_like(stop); });
+    stops_.push_back({stop, now});
   }
   /// Something else may have happened to the device: a write was accepted, or a request failed.
   void forget(std::uint8_t address) {
-    std::erase_if(stops_,
-                  [&](const Stop& it) { return it.address == address || is_broadcast(it); });
+    std::erase_if(stops_, [&](const Stop& it) {
+      return it.sent.address == address || it.sent.is_broadcast();
+    });
   }
   /// A broadcast was accepted that stops a device; to others it may be an ordinary write.
   void forget_single() {
-    std::erase_if(stops_, [](const Stop& it) { return !is_broadcast(it); });
+    std::erase_if(stops_, [](const Stop& it) { return !it.sent.is_broadcast(); });
   }
   void forget_all() { stops_.clear(); }
   /// Would the stop only repeat what the devices have just done?
@@ -120,25 +122,17 @@ class AcknowledgedStops {
 
  private:
   struct Stop {
-    std::uint8_t address;
-    std::uint8_t unit;  ///< another one, where a server is one device under every unit
-    std::optional<drive::BroadcastForm> broadcast;
-    modbus::Pdu request;
+    Transaction sent;  ///< to another unit, where a server is one device under every unit
     Instant at;
   };
-  static bool is_broadcast(const Stop& stop) { return stop.broadcast.has_value(); }
   static bool is_over(const Stop& stop, Instant now) { return now >= stop.at + kStopCountsFor; }
-  static bool is_same(const Stop& stop, const Transaction& other) {
-    return stop.address == other.address && stop.unit == other.unit &&
-           stop.broadcast == other.broadcast && stop.request == other.request.pdu();
-  }
   [[nodiscard]] bool has(const Transaction& stop, Instant now) const {
     const auto counts = [&](const Stop& it) {
-      return it.address == stop.address && it.unit == stop.unit && !is_over(it, now);
+      return it.sent.address == stop.address && it.sent.unit == stop.unit && !is_over(it, now);
     };
     const auto different = static_cast<std::size_t>(std::ranges::count_if(stops_, counts));
     return different >= kMostDifferentStops || std::ranges::any_of(stops_, [&](const Stop& it) {
-             return counts(it) && is_same(it, stop);
+             return counts(it) && it.sent.is_like(stop);
            });
   }
 

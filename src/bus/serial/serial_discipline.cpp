@@ -97,7 +97,7 @@ bool SerialDiscipline::handle_looked(Instant now) {
   if (unsent_ == 0 || !is_over || now < silence_.emission_ends() + kDriverIsLate) {
     return false;
   }
-  note_fault(faults_, LineFault::driver_stalled);
+  faults_.add(LineFault::driver_stalled);
   return true;
 }
 
@@ -201,15 +201,6 @@ std::optional<Instant> SerialDiscipline::next_deadline() const {
 }
 
 std::optional<LineEnd> SerialDiscipline::take_end() { return std::exchange(end_, std::nullopt); }
-
-std::optional<LineFault> SerialDiscipline::take_fault() {
-  if (faults_.empty()) {
-    return std::nullopt;
-  }
-  const LineFault fault = faults_.front();
-  faults_.erase(faults_.begin());
-  return fault;
-}
 
 std::optional<UnsolicitedFrame> SerialDiscipline::take_unsolicited() {
   auto unsolicited = refused_.take();

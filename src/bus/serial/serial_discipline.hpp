@@ -66,7 +66,7 @@ class SerialDiscipline {
   /// The end of the running transaction, once.
   std::optional<LineEnd> take_end();
   /// What was noticed of the line itself since the last call.
-  std::optional<LineFault> take_fault();
+  std::optional<LineFault> take_fault() { return faults_.take(); }
   /// A good frame that answers nothing that was asked, each once.
   std::optional<UnsolicitedFrame> take_unsolicited();
   [[nodiscard]] LineState state(Instant now) const;

@@ -9,12 +9,6 @@
 namespace mbgate::bus {
 namespace {
 
-// On a Modbus TCP bus one device may be asked by several units. Should these be drives after all,
-// each answers for itself.
-bool is_identical(const Transaction& a, const Transaction& b) {
-  return a.address == b.address && a.unit == b.unit && a.request.pdu() == b.request.pdu();
-}
-
 bool crosses_write(const BusQueue& queue, const Job& one, const Job& other) {
   const auto [first, last] = std::minmax(one.sequence, other.sequence);
   return queue.write_waits_between(one.address(), first, last);
@@ -22,8 +16,10 @@ bool crosses_write(const BusQueue& queue, const Job& one, const Job& other) {
 
 // Identical reads that wait at the same time are transmitted once (`coalesce`). A read is not
 // shared across a write to the device that waits between, nor ahead of earlier requests of its own
-// client. So no client gets data older than its request or its own write. The transmission, whose
-// turn it is, gets the reads that it can answer as its followers, and the queue loses them.
+// client. So no client gets data older than its request or its own write. On a Modbus TCP bus one
+// device may be asked by several units; should these be drives after all, each answers for itself.
+// The transmission, whose turn it is, gets the reads that it can answer as its followers, and the
+// queue loses them.
 void gather_followers(BusQueue& queue, Transmission& transmission) {
   const Job& leader = *transmission.leader;
   if (!leader.is_single_read()) {
@@ -32,7 +28,7 @@ void gather_followers(BusQueue& queue, Transmission& transmission) {
   boost::container::small_vector<Job*, 8> joined;  // the queue does not change while it is visited
   queue.visit_fronts(leader.address(), [&](Job& job) {
     const bool joins = job.is_single_read() && !crosses_write(queue, job, leader) &&
-                       is_identical(job.transaction(), leader.transaction());
+                       job.transaction().is_like(leader.transaction());
     if (joins) {
       joined.push_back(&job);
     }
@@ -166,9 +162,10 @@ drive::DeviceTiming Dispatch::note_transmission(Transmission& transmission, Inst
     // A write as the probe does not: a device that is back may carry it out, and then answers.
     const bool hurries =
         transmission.is_one_try || (transmission.is_probe && sent.request.is_read());
-    const TimesInForce times = entry.in_force(sent.request, hurries);
-    timing = times.timing;
-    transmission.hurried_by = times.hurried_by;
+    timing = entry.device->timing_of(sent.request);
+    const Duration usual = timing.response_timeout;
+    timing.response_timeout = hurries ? timing.probe_timeout_or_default() : usual;
+    transmission.hurried_by = std::max(usual - timing.response_timeout, Duration{0});
     sent.boot_time = entry.device->silent_after(sent.request);
     counters.probes += transmission.is_probe ? 1U : 0U;
   }

@@ -36,7 +36,7 @@ void JobEnds::release(Job& job) {
     return;
   }
   if (job.job_class != JobClass::read) {
-    parts_.devices.end_write(job);
+    parts_.devices.note_write(job, &ReadCache::end_write);
   }
   parts_.probes.note_released(job, parts_.pumped_at);
 }
@@ -178,17 +178,13 @@ void JobEnds::end_repeats() {
   }
 }
 
-template <typename Predicate>
-void JobEnds::overtake(Predicate is_overtaken) {
+void JobEnds::overtake_writes(const Job& stop) {
+  const auto is_overtaken = [&](const Job& job) { return is_stopped_by(parts_, stop, job); };
   end_queued(is_overtaken, Ending::cancelled, parts_.counters.overtaken_writes);
   for (const Transmission* running : parts_.transmissions.running()) {
     Job& job = *running->leader;
     job.overtaken = job.overtaken || is_overtaken(job);
   }
-}
-
-void JobEnds::overtake_writes(const Job& stop) {
-  overtake([&](const Job& job) { return is_stopped_by(parts_, stop, job); });
 }
 
 }  // namespace mbgate::bus

@@ -40,8 +40,6 @@ class JobEnds {
  private:
   template <typename Predicate>
   void end_queued(Predicate is_one, Ending ending, std::uint64_t& count);
-  template <typename Predicate>
-  void overtake(Predicate is_overtaken);
   [[nodiscard]] std::optional<Ending> over(const Job& job, const Transmission& running,
                                            Instant now) const;
   void drop_followers(Transmission& transmission, Instant now);

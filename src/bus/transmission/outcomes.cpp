@@ -64,7 +64,8 @@ void Outcomes::handle_end(LineEnd end, Instant now) {
   DeviceEntry& entry = parts_.devices[asked.address];
   entry.counters.noise_bytes += end.noise;
   if (parts_.is_traced) {
-    TransmissionOver over = over_of(transmission, end);
+    TransmissionOver over{title_of(transmission), end.how, sent.may_stay_silent(),
+                          end.how == LineEnd::How::response ? sent.response : std::nullopt};
     if (end.how == LineEnd::How::no_response && asked.wants_answer && parts_.quarantines()) {
       over.held_until = entry.hold.end_of_tail(end.due, entry.in_force());
     }

@@ -44,7 +44,7 @@ void Outcomes::note_unanswered(Transmission& transmission, Instant due, Instant 
   parts_.payback.note_lost(transmission.last_sent, now);
   parts_.probes.note_unanswered(transmission, now);
   if (entry.health.note_unanswered(transmission.last_sent, due, offline_after(entry))) {
-    entry.health.set_probe_at(now + entry.in_force().probe_interval);
+    entry.probe_at = now + entry.in_force().probe_interval;
     diagnosis_.notify(DeviceNotice::Kind::lost, address);
     ends_.end_waiting_for(address);
   }

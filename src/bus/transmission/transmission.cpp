@@ -17,13 +17,6 @@ TransmissionTitle title_of(const Transmission& transmission) {
   return title;
 }
 
-TransmissionOver over_of(const Transmission& transmission, const LineEnd& end) {
-  const Transaction& sent = *end.transaction;
-  const bool has_response = end.how == LineEnd::How::response;
-  return {title_of(transmission), end.how, sent.may_stay_silent(),
-          has_response ? sent.response : std::nullopt};
-}
-
 Transmission& Transmissions::lead(Job& leader) {
   if (free_.empty()) {
     free_.push_back(&all_.emplace_back());

@@ -57,8 +57,6 @@ struct Transmission {
 
 /// For whom it is, for a trace.
 [[nodiscard]] TransmissionTitle title_of(const Transmission& transmission);
-/// What became of it, for a trace; before anything follows from that.
-[[nodiscard]] TransmissionOver over_of(const Transmission& transmission, const LineEnd& end);
 
 /// Is the job's current transaction on the wire, with the job as its leader?
 [[nodiscard]] inline bool is_in_flight(const Job& job) {

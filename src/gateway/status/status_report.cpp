@@ -95,7 +95,7 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
   status.quarantine = entry.hold.tail(now, entry.in_force());
   status.least_quarantine = entry.in_force().quarantine_or_default();
   if (entry.health.is_offline()) {
-    status.next_probe = std::max(entry.health.probe_at() - now, Duration{0});
+    status.next_probe = std::max(entry.probe_at - now, Duration{0});
   }
   status.response_timeout = entry.in_force().response_timeout;
   status.last_second_answer = since(
