@@ -45,7 +45,7 @@ bool take_cached(Parts& parts, Job& job, Instant now) {
 }
 
 std::optional<Ending> end_at_once(Parts& parts, Job& job, Instant now) {
-  const bool is_stop = job.job_class == JobClass::stop;
+  const bool is_stop = job.is_stop();
   if (parts.stopping && !is_stop) {
     return Ending::cancelled;
   }
@@ -81,20 +81,20 @@ bool push(Parts& parts, JobEnds& ends, Job& job) {
 
 // Identical stops that wait are sent once.
 bool push_stop(Parts& parts, Job& job) {
-  Transmission* same = parts.stops.find_any([&](const Transmission& stop) {
-    return !is_begun(*stop.leader) && are_same(*stop.leader, job);
-  });
+  Job* same =
+      parts.stops.find_any([&](const Job& stop) { return !is_begun(stop) && are_same(stop, job); });
   if (same != nullptr) {
-    const bool has_room = same->followers.size() < kRoomForStops;
+    const bool has_room = same->sent.followers.size() < kRoomForStops;
     if (has_room) {
-      same->followers.push_back(&job);
+      same->sent.followers.push_back(&job);
     }
     return has_room;
   }
   if (!parts.stops.has_room(job.address())) {
     return false;
   }
-  parts.stops.push(parts.transmissions.lead(job));
+  job.sent.waits_since = job.accepted_at;
+  parts.stops.push(job);
   return true;
 }
 
@@ -113,11 +113,10 @@ bool Bus::submit(Job& job, Instant now) {
   }
   job.sequence = ++sequence_;
   job.accepted_at = now;
-  if (job.job_class == JobClass::stop) {
+  if (job.is_stop()) {
     ends_.overtake_writes(job);
   }
-  const bool is_accepted =
-      job.job_class == JobClass::stop ? push_stop(parts_, job) : push(parts_, ends_, job);
+  const bool is_accepted = job.is_stop() ? push_stop(parts_, job) : push(parts_, ends_, job);
   if (!is_accepted) {
     ++parts_.counters.refused_full;
   } else {

@@ -17,16 +17,11 @@ Instant listen_until(const Parts& parts, Instant first_until, Instant now) {
 
 }  // namespace
 
-Bus::Bus(const BusSettings& settings, std::span<const drive::Device> devices)
-    : parts_(settings, devices) {}
-
 void Bus::update(const BusSettings& settings, std::span<const drive::Device> devices, Instant now) {
   diagnosis_.note_other_devices(parts_.update(settings, devices));
   ends_.end_repeats();
   dispatch_.pump(now);
 }
-
-void Bus::start() { parts_.actions.push(OpenLine{}); }
 
 void Bus::handle_opened(Instant now, LineKind kind) {
   parts_.link.note_opened(now);
@@ -161,7 +156,7 @@ void Bus::withdraw(Job& job) {
 
 void Bus::abandon(Job& job) {
   job.abandoned = true;
-  if (!is_in_flight(job)) {
+  if (!job.sent.in_flight) {
     dispatch_.wake_at_once();  // it ends, and what waited for it may go now
   }
 }
@@ -179,8 +174,6 @@ void Bus::give_up(Instant now) {
   ends_.end_waiting(Ending::cancelled, Instant::max());
   dispatch_.pump(now);
 }
-
-std::optional<BusAction> Bus::poll() { return parts_.actions.poll(); }
 
 std::optional<Wake> Bus::next_wake() const {
   const auto line = parts_.link.is_open() ? parts_.line.next_deadline() : std::nullopt;

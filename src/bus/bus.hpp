@@ -18,12 +18,13 @@ namespace mbgate::bus {
 class Bus {
  public:
   /// `devices` are those of this bus; other addresses get the bus's own times.
-  Bus(const BusSettings& settings, std::span<const drive::Device> devices);
+  Bus(const BusSettings& settings, std::span<const drive::Device> devices)
+      : parts_(settings, devices) {}
   Bus(const Bus&) = delete;  // its parts refer to each other
   Bus& operator=(const Bus&) = delete;
 
   /// Asks for the line. Jobs wait until the first attempt to open it has succeeded or failed.
-  void start();
+  void start() { parts_.actions.push(OpenLine{}); }
   void handle_opened(Instant now, LineKind kind = LineKind::virtual_line);
   /// The line could not be opened, or died: what was on the wire and what waits ends; reopening is
   /// scheduled. A connection that has answered and was closed by its far end is opened again when
@@ -56,7 +57,7 @@ class Bus {
   /// After stop(): running transactions end unanswered.
   void give_up(Instant now);
 
-  std::optional<BusAction> poll();
+  std::optional<BusAction> poll() { return parts_.actions.poll(); }
   /// The first instant that it waits for.
   [[nodiscard]] std::optional<Wake> next_wake() const;
 

@@ -50,9 +50,9 @@ class LineDiscipline {
     return std::visit([](const auto& line) { return std::optional(line.response_due()); }, line_);
   }
   /// Other times on the same line.
-  void update(const BusSettings& settings) {
+  void update() {
     if (SerialDiscipline* line = serial()) {
-      line->update(settings);
+      line->update();
     }
   }
   std::optional<UnsolicitedFrame> take_unsolicited() {

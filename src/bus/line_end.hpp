@@ -3,6 +3,7 @@
 // no pending request, and faults of the line itself.
 #pragma once
 
+#include <algorithm>
 #include <boost/container/static_vector.hpp>
 #include <cstdint>
 #include <string_view>
@@ -24,7 +25,17 @@ enum class LineState : std::uint8_t {
 };
 
 /// The state's name for status displays.
-std::string_view to_text(LineState state);
+constexpr std::string_view to_text(LineState state) {
+  switch (state) {
+    case LineState::initial: return "initial";
+    case LineState::idle: return "idle";
+    case LineState::emission: return "emission";
+    case LineState::waiting_for_reply: return "waiting for reply";
+    case LineState::waiting_turnaround_delay: return "waiting turnaround delay";
+    case LineState::draining: return "draining";
+  }
+  return "";
+}
 
 /// An earlier transmission to the same device, with the same function code, whose answer may still
 /// come.
@@ -40,7 +51,11 @@ struct OwedAnswer {
 /// Oldest first: a device works in order.
 using OwedAnswers = std::vector<OwedAnswer>;
 /// The one that the response belongs to.
-OwedAnswers::iterator first_fit(OwedAnswers& owed, const modbus::Pdu& response);
+inline OwedAnswers::iterator first_fit(OwedAnswers& owed, const modbus::Pdu& response) {
+  return std::ranges::find_if(owed, [&](const OwedAnswer& it) {
+    return is_fitting(modbus::check_response(it.asked, response.bytes()));
+  });
+}
 
 /// How a transmission ended.
 struct LineEnd {

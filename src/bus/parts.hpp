@@ -37,7 +37,7 @@ struct Parts {
     settings = in_force;
     const Addresses others = devices.update(settings, known);
     acknowledged.forget_all();
-    line.update(settings);
+    line.update();
     queue.set_limit(settings.queue);
     transmissions.set_room(most_in_flight());
     return others;
@@ -81,7 +81,7 @@ struct Parts {
   LineDiscipline line;
   BusQueue queue;
   Transmissions transmissions;
-  StopLane stops;  // links transmissions: destroyed before them
+  StopLane stops;
   AcknowledgedStops acknowledged;
   LastSent last_sent;
   Payback payback;

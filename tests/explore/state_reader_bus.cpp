@@ -39,18 +39,18 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
     hash.since(pumped_at, settings.timing.probe_interval);  // the others may be gone since then
   }
   read(link, hash);
-  // A setting: room. Those that are in use are shown: all, free.
-  const auto& [room, running, all, free] = transmissions;
+  // A setting: room.
+  const auto& [room, running] = transmissions;
   hash.add(running.size());
-  for (const bus::Transmission* transmission : running) {
-    read(*transmission, devices, gateway, hash);
+  for (const bus::Job* leader : running) {
+    read_leader(*leader, devices, gateway, hash);
   }
   read(queue, gateway, hash);
   const auto& [waiting_stops, resting_stops] = stops;
   require(resting_stops.empty(), "no stop is refused");
   hash.add(waiting_stops.size());
-  for (const bus::Transmission& stop : waiting_stops) {
-    read(stop, devices, gateway, hash);
+  for (const bus::Job& stop : waiting_stops) {
+    read_leader(stop, devices, gateway, hash);
   }
   for (const auto& [sent, at] : acknowledged.stops_) {
     require(sent.unit == sent.address, "no device has every unit");
@@ -80,8 +80,8 @@ void StateReader::read(const bus::LinkState& link, Hash& hash) {
   hash.add(state);
 }
 
-// Sources that nobody waits for begin anew; `by_deadline` and `writes` say of the same jobs in
-// which order they are looked at.
+// Sources that nobody waits for begin anew; `by_deadline` says of the same jobs in which order they
+// are looked at.
 void StateReader::read(const bus::BusQueue& queue, gateway::Gateway& gateway, Hash& hash) {
   const auto& [limit, sources, round, by_deadline, writes] = queue;
   hash.add(round.size());
@@ -97,31 +97,31 @@ void StateReader::read(const bus::BusQueue& queue, gateway::Gateway& gateway, Ha
   for (const bus::Job& job : by_deadline) {
     hash.name(&job);
   }
-  hash.add(writes.size());
+  hash.add(writes);
 }
 
-void StateReader::read(const bus::Transmission& transmission, const bus::DeviceTable& devices,
-                       gateway::Gateway& gateway, Hash& hash) {
-  // Where it is linked is told by who shows it: stop_hook. No line is lost: cut.
-  const auto& [stop_hook, leader, followers, tries, cut, in_flight, is_probe, is_one_try,
-               hurried_by, waits_since, transmitted_at, last_sent, writes_before] = transmission;
+void StateReader::read_leader(const bus::Job& leader, const bus::DeviceTable& devices,
+                              gateway::Gateway& gateway, Hash& hash) {
+  // No line is lost: cut.
+  const auto& [followers, tries, cut, in_flight, is_probe, is_one_try, hurried_by, waits_since,
+               first_at, last_at, writes_before] = leader.sent;
   for (const bool flag : {in_flight, is_probe, is_one_try}) {
     hash.add(flag);
   }
   hash.add(tries);
   hash.add(hurried_by);
-  hash.ordered(Order::turn, static_cast<std::uint64_t>(last_sent.time_since_epoch().count()));
-  if (transmission.is_stop()) {  // only a stop asks how long it has waited
+  hash.ordered(Order::turn, static_cast<std::uint64_t>(last_at.time_since_epoch().count()));
+  if (leader.is_stop()) {  // only a stop asks how long it has waited
     hash.since(waits_since, kFarPast);
   }
-  if (devices[leader->address()].device->cache > Duration{0}) {
-    hash.since(transmitted_at, kFarPast);
+  if (devices[leader.address()].device->cache > Duration{0}) {
+    hash.since(first_at, kFarPast);
     hash.ordered(Order::cached_writes, writes_before);
   }
   if (is_probe) {
-    hash.since(last_sent, kFarPast);
+    hash.since(last_at, kFarPast);
   }
-  read(leader, gateway, hash);
+  read(&leader, gateway, hash);
   hash.add(followers.size());
   for (const bus::Job* follower : followers) {
     read(follower, gateway, hash);
@@ -132,10 +132,11 @@ void StateReader::read(const bus::Job* job, gateway::Gateway& gateway, Hash& has
   if (!hash.name(job)) {
     return;
   }
-  // Where it is linked is told by who shows it: hooks, leads. A name only: number.
-  const auto& [queue_hook, deadline_hook, write_hook, number, owner, source, weight, job_class,
-               sequence, deadline, transactions, current, leads, accepted_at, was_on_wire,
-               abandoned, overtaken, accepted] = *job;
+  // Where it is linked is told by who shows it: hooks. Read of those that lead: sent. A name only:
+  // number.
+  const auto& [queue_hook, deadline_hook, stop_hook, number, owner, source, weight, job_class,
+               sequence, deadline, transactions, current, sent, accepted_at, was_on_wire, abandoned,
+               overtaken, accepted] = *job;
   for (const bool flag : {was_on_wire, abandoned, overtaken, accepted}) {
     hash.add(flag);
   }

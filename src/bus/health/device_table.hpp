@@ -23,7 +23,6 @@
 #include "bus/durations.hpp"
 #include "bus/health/device_health.hpp"
 #include "bus/health/hold.hpp"
-#include "bus/health/silence.hpp"
 #include "bus/job.hpp"
 #include "bus/settings.hpp"
 #include "bus/transmission/read_cache.hpp"

@@ -35,7 +35,7 @@ auto find(auto& unanswered, modbus::Bytes response) {
 
 }  // namespace
 
-void Hold::add(const Sent& sent, bool is_unreadable) {
+void Hold::note_unanswered(const Sent& sent, bool is_unreadable) {
   pending_.reset();
   if (unanswered_.size() >= kMostUnanswered) {
     unanswered_.erase(unanswered_.begin());
@@ -68,7 +68,7 @@ void Hold::note_answered(const Sent& sent, modbus::Bytes response, Duration took
     const Duration suspected = std::max(earlier->suspected, now - earlier->due);
     close(earlier, now, timing);
     suspected_ = std::max(suspected_, suspected);
-    add(sent, false);
+    note_unanswered(sent);
     unanswered_.back().was_replaced = true;
   }
   pending_.reset();

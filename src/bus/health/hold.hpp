@@ -130,11 +130,9 @@ class Hold {
     bool is_probe = false;         ///< its response timeout is short
     bool is_slow = false;          ///< it reads or writes slow registers
   };
-  /// No answer came to it.
-  void note_unanswered(const Sent& sent) { add(sent, false); }
-  /// A frame came in its place that is no answer, or is damaged. Its answer may still come until
-  /// the response timeout is over.
-  void note_unreadable(const Sent& sent) { add(sent, true); }
+  /// No answer came to it; or, `is_unreadable`, a frame in its place that is no answer, or is
+  /// damaged. Its answer may still come until the response timeout is over.
+  void note_unanswered(const Sent& sent, bool is_unreadable = false);
   /// A good frame of it came, though it answers nothing.
   void note_heard(Instant now) { heard_at_ = now; }
   /// It was answered by `response` (a PDU), `took` after the end of the transmission. If an earlier
@@ -217,7 +215,6 @@ class Hold {
     Duration suspected{0};
   };
 
-  void add(const Sent& sent, bool is_unreadable);
   void close(std::vector<Unanswered>::iterator answered, Instant now, const Timing& timing);
   void settle(Instant now, const Timing& timing, bool was_held = false);
   void note_tail(const Unanswered& ended, bool was_answered, Instant now, const Timing& timing);

@@ -223,8 +223,6 @@ std::optional<LineEnd> TcpDiscipline::take_end() {
   return end;
 }
 
-std::optional<LineFault> TcpDiscipline::take_fault() { return std::exchange(fault_, std::nullopt); }
-
 LineState TcpDiscipline::state(Instant /*now*/) const {
   return flights_.empty() ? LineState::idle : LineState::waiting_for_reply;
 }

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <deque>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "bus/connection_use.hpp"
@@ -71,7 +72,7 @@ class TcpDiscipline {
   std::optional<LineEnd> take_end();
   /// Once: the connection is of no use, because its stream cannot be followed any further, or
   /// because nothing comes.
-  std::optional<LineFault> take_fault();
+  std::optional<LineFault> take_fault() { return std::exchange(fault_, std::nullopt); }
   [[nodiscard]] LineState state(Instant now) const;
 
  private:

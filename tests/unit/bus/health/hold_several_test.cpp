@@ -81,7 +81,7 @@ TEST_F(Health, ADeviceOfWhichOnlyTheSecondTryWasEverAnsweredIsHeldForAllFunction
 
 // Nor does a damaged answer show that it is slow.
 TEST_F(Health, OneWhoseFirstAnswerWasDamagedIsFast) {
-  hold_.note_unreadable({read_, at(900ms), at(1s)});
+  hold_.note_unanswered({read_, at(900ms), at(1s)}, true);
   answered(read_, kAnswer, 1050ms, 8ms);
   EXPECT_TRUE(may_be_asked(write_, 1050ms));
 }

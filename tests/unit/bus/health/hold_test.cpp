@@ -137,7 +137,7 @@ TEST_F(Health, ATailGrowsNoFurtherThanAllowed) {
 }
 
 TEST_F(Health, AnUnreadableAnswerIsWaitedForUntilTheResponseTimeoutOnly) {
-  hold_.note_unreadable({read_, at(0ms), at(100ms)});
+  hold_.note_unanswered({read_, at(0ms), at(100ms)}, true);
   EXPECT_FALSE(may_be_asked(99ms));
   EXPECT_TRUE(may_be_asked(100ms));
   asked(100ms);
