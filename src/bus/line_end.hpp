@@ -143,7 +143,5 @@ class Untold {
   boost::container::static_vector<Thing, Most> things_;
 };
 using LineFaults = Untold<LineFault, 8>;
-template <std::size_t Most>
-using UnsolicitedFrames = Untold<UnsolicitedFrame, Most>;
 
 }  // namespace mbgate::bus

@@ -92,13 +92,14 @@ class SerialDiscipline {
   Framer framer_;
 
   Transaction* transaction_ = nullptr;
-  Instant response_due_;                         // the end of the response timeout
-  Instant response_deadline_;                    // the same, or earlier because a stop waits
-  Duration response_wait_{0};                    // the device holds its answer back for so long
-  OwedAnswers owed_;                             // those that may still come
-  bool misfit_ = false;                          // a frame came that answers nothing
-  bool may_be_echo_ = false;                     // one came that proves nothing
-  UnsolicitedFrames<kMostUnsolicited> refused_;  // of these, those that came, and were not told yet
+  Instant response_due_;       // the end of the response timeout
+  Instant response_deadline_;  // the same, or earlier because a stop waits
+  Duration response_wait_{0};  // the device holds its answer back for so long
+  OwedAnswers owed_;           // those that may still come
+  bool misfit_ = false;        // a frame came that answers nothing
+  bool may_be_echo_ = false;   // one came that proves nothing
+  Untold<UnsolicitedFrame, kMostUnsolicited>
+      refused_;            // of these, those that came, and were not told yet
   bool draining_ = false;  // what came last was no response: it must end first
   std::size_t heard_ = 0;  // bytes since the last own frame had left
   Instant heard_at_;       // the first of them

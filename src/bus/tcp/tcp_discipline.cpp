@@ -71,14 +71,10 @@ void TcpDiscipline::abort() {
   use_.forget_unanswered();
 }
 
-TcpDiscipline::Flights::iterator TcpDiscipline::find(std::uint16_t identifier) {
-  return std::ranges::find(flights_, identifier, &Flight::identifier);
-}
-
 std::uint16_t TcpDiscipline::new_identifier() {
   do {
     ++last_identifier_;
-  } while (find(last_identifier_) != flights_.end());
+  } while (std::ranges::count(flights_, last_identifier_, &Flight::identifier) > 0);
   std::erase_if(asked_, [this](const Sent& it) { return it.identifier == last_identifier_; });
   return last_identifier_;
 }
@@ -191,7 +187,8 @@ void TcpDiscipline::handle_deadline(Instant now) {
   std::erase_if(flights_, [now](const Flight& flight) { return now >= flight.response_deadline; });
   // What belongs to a request that is still waited for has its time.
   const bool is_awaited =
-      stream_.size() > 1 && find(modbus::load_be16(stream_, 0)) != flights_.end();
+      stream_.size() > 1 &&
+      std::ranges::count(flights_, modbus::load_be16(stream_, 0), &Flight::identifier) > 0;
   const auto rest_by = stray_part_until();
   if ((is_timeout && !stream_.empty() && !is_awaited) || (rest_by && now >= *rest_by)) {
     counters_.stray_bytes += stream_.size();

@@ -90,14 +90,12 @@ class TcpDiscipline {
     std::uint8_t address;
     std::uint8_t unit;
   };
-  using Flights = std::vector<Flight>;
 
   /// By then the rest of a part that nobody waits for has come, or framing is lost.
   [[nodiscard]] std::optional<Instant> stray_part_until() const {
     const bool is_there = !stream_.empty() && padding_ == 0 && flights_.empty();
     return is_there ? std::optional(quiet_since_ + kNetworkSlack) : std::nullopt;
   }
-  Flights::iterator find(std::uint16_t identifier);
   std::uint16_t new_identifier();
   /// Takes one answer off the stream. False: there is no whole one, or framing is lost.
   bool take_answer(Instant now);
@@ -109,7 +107,7 @@ class TcpDiscipline {
   Instant ready_first_at_ = Instant::min();  // of this connection
   BusCounters& counters_;
   ConnectionUse& use_;
-  Flights flights_;
+  std::vector<Flight> flights_;
   OwedAnswers owed_;  // without identifiers: what may still come from the device
   Instant listening_until_ = Instant::min();
   std::uint16_t last_identifier_ = 0;
@@ -118,7 +116,7 @@ class TcpDiscipline {
   Instant quiet_since_;               // the last byte in either direction
   std::deque<LineEnd> ends_;
   std::deque<Sent> asked_;  // the newest kMostAsked
-  UnsolicitedFrames<kMostAsked> unsolicited_;
+  Untold<UnsolicitedFrame, kMostAsked> unsolicited_;
   std::optional<LineFault> fault_;
 };
 

@@ -50,7 +50,6 @@ class Dispatch {
 
   // dispatch_transmit.cpp: it goes on the wire
   void transmit(Job& job, Instant now);
-  void skip_known_settings(Job& job) const;
   void check_allowed(const Job& job, Instant now) const;
   bool note_asked(const Job& job, Instant now);
   void note_changing(const Transaction& sent);

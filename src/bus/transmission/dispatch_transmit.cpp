@@ -38,13 +38,6 @@ void gather_followers(BusQueue& queue, Job& leader) {
 
 }  // namespace
 
-void Dispatch::skip_known_settings(Job& job) const {
-  if (const std::size_t next = next_transaction(parts_, job); next != job.current) {
-    job.current = next;
-    job.sent.tries = 0;
-  }
-}
-
 // What src/README.md says of each transmission.
 void Dispatch::check_allowed(const Job& job, Instant now) const {
   const bool is_stop = job.is_stop();
@@ -64,7 +57,10 @@ void Dispatch::check_allowed(const Job& job, Instant now) const {
 }
 
 void Dispatch::transmit(Job& job, Instant now) {
-  skip_known_settings(job);
+  if (const std::size_t next = next_transaction(parts_, job); next != job.current) {
+    job.current = next;  // known settings are not asked for again
+    job.sent.tries = 0;
+  }
   check_allowed(job, now);
   if (job.sent.tries == 0) {
     const DeviceEntry& entry = parts_.devices[job.address()];
