@@ -31,11 +31,6 @@ class ActionQueue {
   // An action is large: it is moved once, and no room for one is filled with zeros first.
   std::optional<Action> take() {
     std::optional<Action> action(std::in_place, std::move(waiting_[next_]));
-    pass();
-    return action;
-  }
-
-  void pass() {
     if (++next_ == waiting_.size()) {
       next_ = 0;
       waiting_.clear();
@@ -43,6 +38,7 @@ class ActionQueue {
         waiting_.shrink_to_fit();
       }
     }
+    return action;
   }
 
   std::vector<Action> waiting_;

@@ -17,16 +17,11 @@ Instant listen_until(const Parts& parts, Instant first_until, Instant now) {
 
 }  // namespace
 
-Bus::Bus(const BusSettings& settings, std::span<const drive::Device> devices)
-    : parts_(settings, devices) {}
-
 void Bus::update(const BusSettings& settings, std::span<const drive::Device> devices, Instant now) {
   diagnosis_.note_other_devices(parts_.update(settings, devices));
   ends_.end_repeats();
   dispatch_.pump(now);
 }
-
-void Bus::start() { parts_.actions.push(OpenLine{}); }
 
 void Bus::handle_opened(Instant now, LineKind kind) {
   parts_.link.note_opened(now);
@@ -132,34 +127,25 @@ void Bus::collect(Instant now) {
     diagnose_others();
   }
   while (const auto fault = parts_.line.take_fault()) {
-    if (fault == LineFault::framing_lost || fault == LineFault::driver_stalled) {
+    // The far end takes what is sent, and says nothing, or nothing that can be followed.
+    const bool is_useless = fault == LineFault::unanswered || fault == LineFault::answer_cut_off;
+    if (is_useless && parts_.stopping) {
+      continue;
+    }
+    if (fault != LineFault::framing_lost &&
+        (fault != LineFault::unanswered || diagnosis_.note_unanswered_connection())) {
+      parts_.actions.push(LineNotice{*fault});
+    }
+    if (is_useless) {
+      ++parts_.counters.losses;
+      parts_.actions.push(CloseLine{});
+      dispatch_.rest(now);
+    } else if (fault == LineFault::framing_lost || fault == LineFault::driver_stalled) {
       // What the driver still holds is dropped with the line: it must not leave later.
-      if (fault == LineFault::driver_stalled) {
-        parts_.actions.push(LineNotice{*fault});
-      }
       parts_.actions.push(CloseLine{});
       handle_lost(now);
-    } else if (fault != LineFault::unanswered && fault != LineFault::answer_cut_off) {
-      parts_.actions.push(LineNotice{*fault});
-    } else if (!parts_.stopping) {
-      // The far end takes what is sent, and says nothing, or nothing that can be followed.
-      ++parts_.counters.losses;
-      const bool is_silent = fault == LineFault::unanswered;
-      if (!is_silent) {
-        parts_.actions.push(LineNotice{*fault});
-      }
-      parts_.actions.push(ReplaceLine{is_silent && diagnosis_.note_unanswered_connection()});
-      dispatch_.rest(now);
     }
   }
-}
-
-bool Bus::submit(Job& job, Instant now) {
-  const Admitted admitted = admission_.admit(job, now);
-  if (admitted != Admitted::ended) {
-    dispatch_.pump(now);
-  }
-  return admitted != Admitted::refused;
 }
 
 void Bus::withdraw(Job& job) {
@@ -170,7 +156,7 @@ void Bus::withdraw(Job& job) {
 
 void Bus::abandon(Job& job) {
   job.abandoned = true;
-  if (!is_in_flight(job)) {
+  if (!job.sent.in_flight) {
     dispatch_.wake_at_once();  // it ends, and what waited for it may go now
   }
 }
@@ -188,8 +174,6 @@ void Bus::give_up(Instant now) {
   ends_.end_waiting(Ending::cancelled, Instant::max());
   dispatch_.pump(now);
 }
-
-std::optional<BusAction> Bus::poll() { return parts_.actions.poll(); }
 
 std::optional<Wake> Bus::next_wake() const {
   const auto line = parts_.link.is_open() ? parts_.line.next_deadline() : std::nullopt;

@@ -7,10 +7,8 @@
 
 #include <span>
 
-#include "bus/bus_view.hpp"
 #include "bus/health/line_diagnosis.hpp"
 #include "bus/parts.hpp"
-#include "bus/queue/admission.hpp"
 #include "bus/transmission/dispatch.hpp"
 #include "bus/transmission/job_ends.hpp"
 #include "bus/transmission/outcomes.hpp"
@@ -20,12 +18,13 @@ namespace mbgate::bus {
 class Bus {
  public:
   /// `devices` are those of this bus; other addresses get the bus's own times.
-  Bus(const BusSettings& settings, std::span<const drive::Device> devices);
+  Bus(const BusSettings& settings, std::span<const drive::Device> devices)
+      : parts_(settings, devices) {}
   Bus(const Bus&) = delete;  // its parts refer to each other
   Bus& operator=(const Bus&) = delete;
 
   /// Asks for the line. Jobs wait until the first attempt to open it has succeeded or failed.
-  void start();
+  void start() { parts_.actions.push(OpenLine{}); }
   void handle_opened(Instant now, LineKind kind = LineKind::virtual_line);
   /// The line could not be opened, or died: what was on the wire and what waits ends; reopening is
   /// scheduled. A connection that has answered and was closed by its far end is opened again when
@@ -58,7 +57,7 @@ class Bus {
   /// After stop(): running transactions end unanswered.
   void give_up(Instant now);
 
-  std::optional<BusAction> poll();
+  std::optional<BusAction> poll() { return parts_.actions.poll(); }
   /// The first instant that it waits for.
   [[nodiscard]] std::optional<Wake> next_wake() const;
 
@@ -66,8 +65,8 @@ class Bus {
   [[nodiscard]] const BusCounters& counters() const { return parts_.counters; }
   /// What is known of each address.
   [[nodiscard]] const DeviceTable& devices() const { return parts_.devices; }
-  /// What waits, what is on the wire, the state of the line.
-  [[nodiscard]] BusView view() const { return BusView(parts_); }
+  /// All of it, to be shown: what waits, what is on the wire, the state of the line.
+  [[nodiscard]] const Parts& parts() const { return parts_; }
   /// What was noticed of the line: what the answers are like, how busy it is, other clients.
   [[nodiscard]] const LineDiagnosis& diagnosis() const { return diagnosis_; }
   void clear_counters();
@@ -84,7 +83,7 @@ class Bus {
   LineDiagnosis diagnosis_{parts_};
   Outcomes outcomes_{parts_, ends_, diagnosis_};
   Dispatch dispatch_{parts_, ends_, outcomes_, diagnosis_};
-  Admission admission_{parts_, ends_};
+  std::uint64_t sequence_ = 0;  // of the job that was accepted last
 };
 
 }  // namespace mbgate::bus

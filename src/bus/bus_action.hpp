@@ -28,8 +28,10 @@ struct JobEnded {
 struct LineNotice {
   LineFault fault;
 };
-/// Close the line: the framing of the incoming bytes is lost. The bus has given the line up
-/// already; nothing needs to be reported back.
+/// Close the line: the framing of the incoming bytes is lost, and the bus has given the line up
+/// already. Or nothing comes from a server any more, or nothing that can be followed: then the
+/// connection rests, and OpenLine follows when a job waits for it. Nothing needs to be reported
+/// back.
 struct CloseLine {};
 /// Close the adapter and open it again: nothing at all is received from it. Jobs stay queued
 /// meanwhile.
@@ -40,11 +42,6 @@ struct ReopenLine {
 };
 /// Bytes have arrived for so long without a silence that nothing could be transmitted on the line.
 struct NeverSilent {};
-/// Close the connection: nothing comes from the server any more, or nothing that can be followed.
-/// OpenLine follows when a job waits for it. Nothing needs to be reported back.
-struct ReplaceLine {
-  bool is_reportable;  ///< nothing comes, but something did since the last ReplaceLine
-};
 /// What was learned of the device at an address.
 struct DeviceNotice {
   enum class Kind : std::uint8_t {
@@ -92,8 +89,8 @@ struct TransmissionOver {
   std::optional<modbus::Pdu> response;
   std::optional<Instant> held_until{};  ///< no response: the device is quarantined, at most so long
 };
-using BusAction = std::variant<OpenLine, LookAtLine, TransmitFrame, JobEnded, LineNotice, CloseLine,
-                               ReopenLine, ReplaceLine, NeverSilent, DeviceNotice, QualityNotice,
-                               TransmissionBegan, TransmissionOver>;
+using BusAction =
+    std::variant<OpenLine, LookAtLine, TransmitFrame, JobEnded, LineNotice, CloseLine, ReopenLine,
+                 NeverSilent, DeviceNotice, QualityNotice, TransmissionBegan, TransmissionOver>;
 
 }  // namespace mbgate::bus

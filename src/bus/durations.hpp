@@ -26,11 +26,8 @@ class Histogram {
   constexpr explicit Histogram(std::span<const Duration> bounds) : bounds_(bounds) {}
 
   void note(Duration duration) {
-    if (!is_within(last_, duration)) {
-      last_ =
-          static_cast<std::size_t>(std::ranges::lower_bound(bounds_, duration) - bounds_.begin());
-    }
-    ++counts_[last_];
+    const auto place = std::ranges::lower_bound(bounds_, duration) - bounds_.begin();
+    ++counts_[static_cast<std::size_t>(place)];
     sum_ += duration;
   }
   /// What another one with the same bounds has counted counts here too.
@@ -48,16 +45,9 @@ class Histogram {
   [[nodiscard]] Duration sum() const { return sum_; }
 
  private:
-  /// Is it counted in this place?
-  [[nodiscard]] bool is_within(std::size_t place, Duration duration) const {
-    return (place == 0 || bounds_[place - 1] < duration) &&
-           (place == bounds_.size() || duration <= bounds_[place]);
-  }
-
   std::span<const Duration> bounds_;
   std::array<std::uint64_t, kMostBounds + 1> counts_{};
   Duration sum_{0};
-  std::size_t last_ = 0;  // where the last one was counted: the next one is much like it
 };
 
 /// Durations, counted in steps of a fifth to a quarter from 64 us to 30 s. The last one or two

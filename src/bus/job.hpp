@@ -10,6 +10,7 @@
 #include <boost/intrusive/set_hook.hpp>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "bus/instant.hpp"
@@ -49,12 +50,30 @@ enum class Ending : std::uint8_t {
   cancelled     ///< withdrawn, evicted, or the gateway is stopping
 };
 
-struct Transmission;
+struct Job;
+
+/// A frame that is on the wire for one or several jobs, or is about to be sent again. Jobs with the
+/// same request at the same time share a transmission. One of them leads, and has it: its
+/// transaction is transmitted. The others follow and get the same answer.
+struct Transmission {
+  boost::container::small_vector<Job*, 1> followers;
+  unsigned tries = 0;  ///< transmissions of the leader's current transaction
+  /// The transaction that is sent once more because the connection was closed before its answer.
+  std::optional<std::size_t> cut;
+  bool in_flight = false;   ///< it was transmitted, and has not ended
+  bool is_probe = false;    ///< tests whether an offline device answers again
+  bool is_one_try = false;  ///< a stop that is not repeated, because an earlier one was given up
+  Duration hurried_by{0};   ///< its wait is shorter by this, as the device may not be there
+  Instant waits_since;      ///< of a stop: accepted then, or repeated
+  Instant first_at;         ///< the first time of the current transaction
+  Instant last_at;          ///< the last time of any of its transactions
+  std::uint64_t writes_before = 0;  ///< writes to its device that ended before it was sent
+};
 
 struct Job {
   boost::intrusive::list_member_hook<> queue_hook;
   boost::intrusive::set_member_hook<> deadline_hook;
-  boost::intrusive::set_member_hook<> write_hook;
+  boost::intrusive::list_member_hook<> stop_hook;  ///< of the stop lane
 
   std::uint32_t number = 0;  ///< the gateway's number for the job
   std::uint32_t owner = 0;   ///< and for the request it belongs to
@@ -64,14 +83,15 @@ struct Job {
   std::uint64_t sequence = 0;           ///< the order of acceptance, set by Bus::submit()
   Instant deadline;                     ///< without meaning for stops
   boost::container::small_vector<Transaction, 1> transactions;
-  std::size_t current = 0;        ///< the transaction whose turn it is
-  Transmission* leads = nullptr;  ///< from its first transmission on; a stop at once
+  std::size_t current = 0;  ///< the transaction whose turn it is
+  Transmission sent;        ///< of the current transaction, if it leads
   Instant accepted_at;
   bool was_on_wire = false;  ///< something that its client asked for was transmitted
   bool abandoned = false;    ///< its client is gone: no further transmission
   bool overtaken = false;    ///< cancelled by a stop of its device: no further transmission
   bool accepted = false;     ///< the bus has it
 
+  [[nodiscard]] bool is_stop() const { return job_class == JobClass::stop; }
   /// Is it in the queue? Stops never are.
   [[nodiscard]] bool is_waiting() const { return queue_hook.is_linked(); }
   /// May other jobs use its device at the same time? Only beside a single read: a write may change
@@ -88,6 +108,24 @@ struct Job {
   [[nodiscard]] std::uint8_t address() const { return transactions.front().address; }
   [[nodiscard]] Transaction& transaction() { return transactions[current]; }
   [[nodiscard]] const Transaction& transaction() const { return transactions[current]; }
+  /// Nobody wants it sent any more.
+  [[nodiscard]] bool is_abandoned() const {
+    return abandoned && std::ranges::all_of(sent.followers, &Job::abandoned);
+  }
+  /// It has a single transaction, which is to be repeated.
+  [[nodiscard]] bool is_between_tries() const {
+    return sent.tries > 0 && !sent.in_flight && transactions.size() == 1;
+  }
+  /// From then on nothing is sent for `job`, which is this one or follows it. If a part of it was
+  /// done, it may be finished after its deadline, a read within five seconds, but nothing is
+  /// repeated. The forms of a broadcast are no parts, nor are checks (must_hold).
+  [[nodiscard]] Instant ends_at(const Job& job) const {
+    const auto is_part = [](const Transaction& it) { return it.must_hold == nullptr; };
+    const bool is_begun = sent.tries == 0 && !is_broadcast() &&
+                          std::ranges::any_of(std::span(transactions).first(current), is_part);
+    constexpr auto kToFinish = std::chrono::seconds(5);
+    return !is_begun ? job.deadline : job.is_read() ? job.deadline + kToFinish : Instant::max();
+  }
 };
 
 }  // namespace mbgate::bus

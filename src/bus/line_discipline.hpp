@@ -13,8 +13,11 @@ namespace mbgate::bus {
 
 class LineDiscipline {
  public:
+  /// `settings` must outlive this object and always be those in force.
   LineDiscipline(const BusSettings& settings, BusCounters& counters)
-      : line_(make(settings, counters)) {}
+      : line_(make(settings, counters, use_)) {}
+  LineDiscipline(const LineDiscipline&) = delete;  // its parts refer to each other
+  LineDiscipline& operator=(const LineDiscipline&) = delete;
 
   void open(Instant now, LineKind kind, Instant listen_until) {
     use_.open();
@@ -46,8 +49,11 @@ class LineDiscipline {
   [[nodiscard]] std::optional<Instant> response_due() const {
     return std::visit([](const auto& line) { return std::optional(line.response_due()); }, line_);
   }
-  void update(const BusSettings& settings) {
-    std::visit([&](auto& line) { line.update(settings); }, line_);
+  /// Other times on the same line.
+  void update() {
+    if (SerialDiscipline* line = serial()) {
+      line->update();
+    }
   }
   std::optional<UnsolicitedFrame> take_unsolicited() {
     return std::visit([](auto& line) { return line.take_unsolicited(); }, line_);
@@ -67,18 +73,11 @@ class LineDiscipline {
     return std::visit([](const auto& line) { return line.next_deadline(); }, line_);
   }
   /// How the open connection, or a serial line behind `tcp://`, was used.
-  [[nodiscard]] const ConnectionUse& use() const {
-    const auto* tcp = std::get_if<TcpDiscipline>(&line_);
-    return tcp != nullptr ? tcp->use() : use_;
-  }
-  void note_closed(Instant now) {
-    if (auto* tcp = std::get_if<TcpDiscipline>(&line_)) {
-      tcp->use().note_closed(now);
-    }
-  }
+  [[nodiscard]] const ConnectionUse& use() const { return use_; }
+  void note_closed(Instant now) { use_.note_closed(now); }
   std::optional<LineEnd> take_end(Instant now) {
     const auto end = std::visit([](auto& line) { return line.take_end(); }, line_);
-    if (end && end->how == LineEnd::How::response) {
+    if (end && end->how == LineEnd::How::response && serial() != nullptr) {
       use_.note_answer(now);
     }
     return end;
@@ -97,9 +96,9 @@ class LineDiscipline {
 
  private:
   using Variant = std::variant<SerialDiscipline, TcpDiscipline>;
-  static Variant make(const BusSettings& settings, BusCounters& counters) {
+  static Variant make(const BusSettings& settings, BusCounters& counters, ConnectionUse& use) {
     if (settings.line.framing == Framing::tcp) {
-      return Variant(std::in_place_type<TcpDiscipline>, settings, counters);
+      return Variant(std::in_place_type<TcpDiscipline>, settings, counters, use);
     }
     return Variant(std::in_place_type<SerialDiscipline>, settings, counters);
   }
@@ -110,8 +109,8 @@ class LineDiscipline {
     return serial == nullptr ? ask(std::get<TcpDiscipline>(line_)) : ask(serial->silence());
   }
 
-  Variant line_;
   ConnectionUse use_;  // of a serial line: of interest behind `tcp://`
+  Variant line_;
 };
 
 }  // namespace mbgate::bus

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reports of a line discipline to the bus above it: how transmissions ended, and faults of the
-// line itself.
+// The reports of a line discipline to the bus above it: how transmissions ended, frames that answer
+// no pending request, and faults of the line itself.
 #pragma once
 
+#include <algorithm>
 #include <boost/container/static_vector.hpp>
 #include <cstdint>
 #include <string_view>
 #include <vector>
 
 #include "bus/job.hpp"
+#include "modbus/response.hpp"
 
 namespace mbgate::bus {
 
@@ -23,7 +25,17 @@ enum class LineState : std::uint8_t {
 };
 
 /// The state's name for status displays.
-std::string_view to_text(LineState state);
+constexpr std::string_view to_text(LineState state) {
+  switch (state) {
+    case LineState::initial: return "initial";
+    case LineState::idle: return "idle";
+    case LineState::emission: return "emission";
+    case LineState::waiting_for_reply: return "waiting for reply";
+    case LineState::waiting_turnaround_delay: return "waiting turnaround delay";
+    case LineState::draining: return "draining";
+  }
+  return "";
+}
 
 /// An earlier transmission to the same device, with the same function code, whose answer may still
 /// come.
@@ -39,7 +51,11 @@ struct OwedAnswer {
 /// Oldest first: a device works in order.
 using OwedAnswers = std::vector<OwedAnswer>;
 /// The one that the response belongs to.
-OwedAnswers::iterator first_fit(OwedAnswers& owed, const modbus::Pdu& response);
+inline OwedAnswers::iterator first_fit(OwedAnswers& owed, const modbus::Pdu& response) {
+  return std::ranges::find_if(owed, [&](const OwedAnswer& it) {
+    return is_fitting(modbus::check_response(it.asked, response.bytes()));
+  });
+}
 
 /// How a transmission ended.
 struct LineEnd {
@@ -87,13 +103,54 @@ enum class LineFault : std::uint8_t {
   answer_cut_off,
   driver_stalled  ///< the driver still holds bytes that should have left long ago
 };
-/// Faults that were noticed and not yet reported.
-using LineFaults = boost::container::static_vector<LineFault, 8>;
-/// The fault is dropped if the list is full.
-inline void note_fault(LineFaults& faults, LineFault fault) {
-  if (faults.size() < faults.capacity()) {
-    faults.push_back(fault);
+/// A valid frame that answers no pending request.
+struct UnsolicitedFrame {
+  std::uint8_t address;
+  modbus::Pdu pdu;
+  bool is_response;      ///< it has the length of a response
+  bool is_request;       ///< it can only be a request
+  bool after_noise;      ///< other bytes came before it: it may look like a frame only by chance
+  bool is_echo = false;  ///< found to be the echo of the last read
+  Instant came;          ///< when its last byte came; what it was may be known only later
+  Duration pause{0};     ///< it was cut by a pause that is longer than frame_slack
+
+  UnsolicitedFrame(std::uint8_t from, const modbus::Pdu& heard, Instant when, bool noisy = false)
+      : address(from), pdu(heard), after_noise(noisy), came(when) {
+    is_response = is_whole(modbus::response_length(pdu.bytes()));
+    is_request = !is_response && is_whole(modbus::request_length(pdu.bytes())) &&
+                 modbus::Request::parse(pdu).has_value();
   }
-}
+
+ private:
+  [[nodiscard]] bool is_whole(const modbus::PduLength& length) const {
+    return length.kind == modbus::PduLength::Kind::known && length.bytes == pdu.bytes().size();
+  }
+};
+
+/// What was noticed and is not told yet: `Most` of it; more is dropped.
+template <typename Thing, std::size_t Most>
+class Untold {
+ public:
+  void add(const Thing& thing) {
+    if (things_.size() < Most) {
+      things_.push_back(thing);
+    }
+  }
+  /// Removes and returns the oldest; nothing if there is none.
+  std::optional<Thing> take() {
+    if (things_.empty()) {
+      return std::nullopt;
+    }
+    Thing thing = things_.front();
+    things_.erase(things_.begin());
+    return thing;
+  }
+  void clear() { things_.clear(); }
+  [[nodiscard]] bool empty() const { return things_.empty(); }
+
+ private:
+  boost::container::static_vector<Thing, Most> things_;
+};
+using LineFaults = Untold<LineFault, 8>;
 
 }  // namespace mbgate::bus

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The parts of a bus. Each part owns its data, and none knows the others. What decides (Scheduler)
-// only reads them. Classes that act (Admission, Dispatch, Outcomes, JobEnds) change them.
+// only reads them, and so does whoever shows a bus. Classes that act (Bus, Dispatch, Outcomes,
+// JobEnds) change them.
 #pragma once
 
+#include <algorithm>
 #include <span>
 
 #include "bus/action_queue.hpp"
@@ -22,7 +24,7 @@ struct Parts {
   Parts(const BusSettings& in_force, std::span<const drive::Device> known)
       : settings(in_force),
         devices(in_force, known),
-        line(in_force, counters),
+        line(settings, counters),
         queue(in_force.queue),
         transmissions(most_in_flight()),
         probes(settings, devices),
@@ -35,7 +37,7 @@ struct Parts {
     settings = in_force;
     const Addresses others = devices.update(settings, known);
     acknowledged.forget_all();
-    line.update(settings);
+    line.update();
     queue.set_limit(settings.queue);
     transmissions.set_room(most_in_flight());
     return others;
@@ -48,6 +50,30 @@ struct Parts {
   [[nodiscard]] bool is_unreached(const modbus::Pdu& response) const {
     return settings.line.framing == Framing::tcp && response.is_unreached();
   }
+  /// Requests that wait, stops among them.
+  [[nodiscard]] std::size_t waiting() const { return queue.size() + stops.size(); }
+  /// The client address of which the most requests wait for the line, and not for their device.
+  [[nodiscard]] std::optional<BusQueue::Most> most_waiting(Instant now) const {
+    Addresses held;
+    for (std::size_t address = 0; address < kAddresses; ++address) {
+      const auto number = static_cast<std::uint8_t>(address);
+      const DeviceEntry& entry = devices[number];
+      held[address] =
+          entry.health.is_offline() || entry.free_at > now || held_back(number, now) > Duration{0};
+    }
+    return queue.most_waiting(held);
+  }
+  /// How long the device at the address is still left alone because it owes an answer.
+  [[nodiscard]] Duration held_back(std::uint8_t address, Instant now) const {
+    const DeviceEntry& entry = devices[address];
+    const Instant until = entry.hold.until(entry.in_force());
+    return quarantines() && until > now ? until - now : Duration{0};
+  }
+  /// A device behind a line that is not open is not answering.
+  [[nodiscard]] DeviceState state_of(std::uint8_t address) const {
+    const DeviceState state = devices[address].health.state();
+    return state == DeviceState::answering && !link.serves() ? DeviceState::line_not_open : state;
+  }
 
   BusSettings settings;
   DeviceTable devices;
@@ -55,7 +81,7 @@ struct Parts {
   LineDiscipline line;
   BusQueue queue;
   Transmissions transmissions;
-  StopLane stops;  // links transmissions: destroyed before them
+  StopLane stops;
   AcknowledgedStops acknowledged;
   LastSent last_sent;
   Payback payback;

@@ -35,6 +35,11 @@ struct Transaction {
   const std::vector<std::uint16_t>* must_hold = nullptr;
 
   [[nodiscard]] bool is_broadcast() const { return broadcast.has_value(); }
+  /// Is the same asked of the same device, by the same unit?
+  [[nodiscard]] bool is_like(const Transaction& other) const {
+    return address == other.address && unit == other.unit && broadcast == other.broadcast &&
+           request.pdu() == other.request.pdu();
+  }
   [[nodiscard]] bool may_stay_silent() const { return silence_is_success || boot_time; }
 };
 

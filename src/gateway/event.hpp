@@ -37,10 +37,6 @@ struct AdapterSilent {
   Duration silence;
   unsigned requests;  ///< sent in this time
 };
-/// Nothing was received on a connection for long, although requests were sent: it is replaced.
-struct ConnectionReplaced {
-  BusId bus;
-};
 struct ClientRefused : Asker {
   RefusalReason reason;
 };
@@ -165,12 +161,12 @@ struct ClientLoggedIn : Asker {
   std::uint64_t left_out = 0;
 };
 
-using Event = std::variant<BusOpened, BusLost, AdapterSilent, ConnectionReplaced, ClientRefused,
-                           ClientDisplaced, ClientOverRate, ClientFramingLost, ClientSpeaksRtu,
-                           ClientFrameTimedOut, LineNews, LineNeverSilent, Reconfigured,
-                           WriteEndedEarly, WordOrderDiffers, DeviceNews, QualityNews, FailsafeNews,
-                           UnitNotRouted, ReadDenied, WriteDenied, StopDenied, WriteAccepted,
-                           BroadcastLeavesOut, CountersCleared, ClientLoggedIn>;
+using Event =
+    std::variant<BusOpened, BusLost, AdapterSilent, ClientRefused, ClientDisplaced, ClientOverRate,
+                 ClientFramingLost, ClientSpeaksRtu, ClientFrameTimedOut, LineNews, LineNeverSilent,
+                 Reconfigured, WriteEndedEarly, WordOrderDiffers, DeviceNews, QualityNews,
+                 FailsafeNews, UnitNotRouted, ReadDenied, WriteDenied, StopDenied, WriteAccepted,
+                 BroadcastLeavesOut, CountersCleared, ClientLoggedIn>;
 
 /// One line for the journal. The names are taken from the settings.
 std::string to_text(const Event& event, const Settings& settings);

@@ -97,7 +97,7 @@ void Gateway::set_traced(bool traced) {
   trace_.set_on(traced);
   if (traced) {
     buses_.for_each(
-        [this](BusId id, const bus::Bus& it) { trace_.begin_amid(id, it.view().in_flight()); });
+        [this](BusId id, const bus::Bus& it) { trace_.begin_amid(id, it.parts().transmissions.in_flight()); });
   }
   buses_.set_traced(traced);
 }

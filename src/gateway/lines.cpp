@@ -61,7 +61,9 @@ void Lines::carry_out(BusId bus, const bus::BusAction& action) {
   } else if (std::holds_alternative<bus::OpenLine>(action)) {
     line_actions_.push(Open{bus});
   } else if (std::holds_alternative<bus::CloseLine>(action)) {
-    report(BusLost{bus});
+    if (!buses_[bus].link().serves()) {
+      report(BusLost{bus});
+    }
     line_actions_.push(Shut{bus});
   } else if (const auto* reopen = std::get_if<bus::ReopenLine>(&action)) {
     if (reopen->first) {
@@ -69,11 +71,6 @@ void Lines::carry_out(BusId bus, const bus::BusAction& action) {
     }
     line_actions_.push(Shut{bus});
     line_actions_.push(Open{bus});
-  } else if (const auto* replace = std::get_if<bus::ReplaceLine>(&action)) {
-    if (replace->is_reportable) {
-      report(ConnectionReplaced{bus});
-    }
-    line_actions_.push(Shut{bus});
   } else if (const auto* notice = std::get_if<bus::DeviceNotice>(&action)) {
     report(DeviceNews{bus, *notice});
   } else if (std::holds_alternative<bus::NeverSilent>(action)) {

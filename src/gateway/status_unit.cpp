@@ -52,7 +52,7 @@ void put_quality(Block& block, const bus::QualityVerdict& verdict) {
 Block bus_block(const bus::Bus& bus) {
   const bus::BusCounters& counters = bus.counters();
   Block block{static_cast<std::uint16_t>(bus.link().serves() ? 1 : 0),
-              saturated(bus.view().waiting())};
+              saturated(bus.parts().waiting())};
   std::array<std::uint64_t, bus::kCounterPlaces> counts{};
   for (const bus::CounterKind& counter : bus::kBusCounters) {
     counts.at(counter.place) = counters.*counter.member;
@@ -78,7 +78,7 @@ Block device_block(const Settings::WrittenDevice& shown, const StatusView& view)
   const bus::DeviceCounters& counters = entry.counters;
   const bus::QualityVerdict& quality = bus.diagnosis().quality()[device.address].verdict();
   Block block{static_cast<std::uint16_t>(shown.bus + 1), device.address,
-              static_cast<std::uint16_t>(bus.view().state_of(device.address)),
+              static_cast<std::uint16_t>(bus.parts().state_of(device.address)),
               saturated(entry.health.unanswered_in_row())};
   for (const std::uint64_t count :
        {counters.transmissions, counters.responses, counters.exceptions, counters.timeouts,
@@ -86,7 +86,7 @@ Block device_block(const Settings::WrittenDevice& shown, const StatusView& view)
     put32(block, count);
   }
   block.push_back(entry.health.is_offline() ? 1 : 0);
-  block.push_back(milliseconds(bus.view().held_back(device.address, view.now)));
+  block.push_back(milliseconds(bus.parts().held_back(device.address, view.now)));
   put32(block, counters.noise_bytes);
   put_quality(block, quality);
   block.push_back(milliseconds(quality.needed));

@@ -140,7 +140,10 @@ std::string fault_text(bus::LineFault fault) {
     case bus::LineFault::echo_denied:
       return "the adapter receives what it sends: set echo = true, because with echo = false the "
              "echo of a write is taken for its answer";
-    case bus::LineFault::unanswered: return "nothing comes from the far end";
+    case bus::LineFault::unanswered:
+      return fmt::format(
+          "requests are sent, but nothing has come back for {}; the connection is replaced",
+          seconds(bus::kSilenceToReplace));
     case bus::LineFault::answer_cut_off:
       return "an answer was not complete at the end of its response timeout: its length is wrong, "
              "or the rest of it is lost; the connection is replaced";
@@ -191,11 +194,6 @@ struct EventText {
         "so it is closed and opened again, now and at growing intervals until something is heard",
         names.bus(e.bus), std::chrono::duration_cast<std::chrono::seconds>(e.silence).count(),
         e.requests);
-  }
-  std::string operator()(const ConnectionReplaced& e) const {
-    return fmt::format(
-        "{}: requests are sent, but nothing has come back for {}; the connection is replaced",
-        names.bus(e.bus), seconds(bus::kSilenceToReplace));
   }
   std::string operator()(const ClientRefused& e) const {
     return fmt::format("{} refused: {}", names.client(e), reason_text(e.reason));

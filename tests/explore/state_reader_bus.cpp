@@ -5,7 +5,7 @@
 namespace mbgate::explore {
 
 void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
-  auto& [parts, listens_first_until, ends, diagnosis, outcomes, dispatch, admission] = bus;
+  auto& [parts, listens_first_until, ends, diagnosis, outcomes, dispatch, sequence] = bus;
   hash.until(listens_first_until.value_or(hash.now()));
   // Settings: settings. Counted only: counters. Watches real adapters only: adapter. For the trace:
   // is_traced. Empty when the machine was asked for its actions: actions.
@@ -14,7 +14,6 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
   // Told only: diagnosis. They know nothing of their own: ends, outcomes, scheduler.
   const auto& [of_dispatch, its_ends, its_outcomes, its_diagnosis, scheduler, next_wake, looking] =
       dispatch;
-  const auto& [of_admission, ends_too, sequence] = admission;
   bool may_be_offline = false;
   for (const drive::Device& device : devices.devices()) {
     may_be_offline = may_be_offline || device.timing.offline_after != 0;
@@ -40,24 +39,24 @@ void StateReader::read(bus::Bus& bus, gateway::Gateway& gateway, Hash& hash) {
     hash.since(pumped_at, settings.timing.probe_interval);  // the others may be gone since then
   }
   read(link, hash);
-  // A setting: room. Those that are in use are shown: all, free.
-  const auto& [room, running, all, free] = transmissions;
+  // A setting: room.
+  const auto& [room, running] = transmissions;
   hash.add(running.size());
-  for (const bus::Transmission* transmission : running) {
-    read(*transmission, devices, gateway, hash);
+  for (const bus::Job* leader : running) {
+    read_leader(*leader, devices, gateway, hash);
   }
   read(queue, gateway, hash);
   const auto& [waiting_stops, resting_stops] = stops;
   require(resting_stops.empty(), "no stop is refused");
   hash.add(waiting_stops.size());
-  for (const bus::Transmission& stop : waiting_stops) {
-    read(stop, devices, gateway, hash);
+  for (const bus::Job& stop : waiting_stops) {
+    read_leader(stop, devices, gateway, hash);
   }
-  for (const auto& [address, unit, broadcast, request, at] : acknowledged.stops_) {
-    require(unit == address, "no device has every unit");
-    hash.add(address);
-    hash.add(broadcast.has_value());
-    hash.add(request.bytes());
+  for (const auto& [sent, at] : acknowledged.stops_) {
+    require(sent.unit == sent.address, "no device has every unit");
+    hash.add(sent.address);
+    hash.add(sent.is_broadcast());
+    hash.add(sent.request.pdu().bytes());
     hash.since(at, bus::kStopCountsFor);
   }
   read(devices, sight, hash);
@@ -81,8 +80,8 @@ void StateReader::read(const bus::LinkState& link, Hash& hash) {
   hash.add(state);
 }
 
-// Sources that nobody waits for begin anew; `by_deadline` and `writes` say of the same jobs in
-// which order they are looked at.
+// Sources that nobody waits for begin anew; `by_deadline` says of the same jobs in which order they
+// are looked at.
 void StateReader::read(const bus::BusQueue& queue, gateway::Gateway& gateway, Hash& hash) {
   const auto& [limit, sources, round, by_deadline, writes] = queue;
   hash.add(round.size());
@@ -98,31 +97,31 @@ void StateReader::read(const bus::BusQueue& queue, gateway::Gateway& gateway, Ha
   for (const bus::Job& job : by_deadline) {
     hash.name(&job);
   }
-  hash.add(writes.size());
+  hash.add(writes);
 }
 
-void StateReader::read(const bus::Transmission& transmission, const bus::DeviceTable& devices,
-                       gateway::Gateway& gateway, Hash& hash) {
-  // Where it is linked is told by who shows it: stop_hook. No line is lost: cut.
-  const auto& [stop_hook, leader, followers, tries, cut, in_flight, is_probe, is_one_try,
-               hurried_by, waits_since, transmitted_at, last_sent, writes_before] = transmission;
+void StateReader::read_leader(const bus::Job& leader, const bus::DeviceTable& devices,
+                              gateway::Gateway& gateway, Hash& hash) {
+  // No line is lost: cut.
+  const auto& [followers, tries, cut, in_flight, is_probe, is_one_try, hurried_by, waits_since,
+               first_at, last_at, writes_before] = leader.sent;
   for (const bool flag : {in_flight, is_probe, is_one_try}) {
     hash.add(flag);
   }
   hash.add(tries);
   hash.add(hurried_by);
-  hash.ordered(Order::turn, static_cast<std::uint64_t>(last_sent.time_since_epoch().count()));
-  if (transmission.is_stop()) {  // only a stop asks how long it has waited
+  hash.ordered(Order::turn, static_cast<std::uint64_t>(last_at.time_since_epoch().count()));
+  if (leader.is_stop()) {  // only a stop asks how long it has waited
     hash.since(waits_since, kFarPast);
   }
-  if (devices[leader->address()].device->cache > Duration{0}) {
-    hash.since(transmitted_at, kFarPast);
+  if (devices[leader.address()].device->cache > Duration{0}) {
+    hash.since(first_at, kFarPast);
     hash.ordered(Order::cached_writes, writes_before);
   }
   if (is_probe) {
-    hash.since(last_sent, kFarPast);
+    hash.since(last_at, kFarPast);
   }
-  read(leader, gateway, hash);
+  read(&leader, gateway, hash);
   hash.add(followers.size());
   for (const bus::Job* follower : followers) {
     read(follower, gateway, hash);
@@ -133,10 +132,11 @@ void StateReader::read(const bus::Job* job, gateway::Gateway& gateway, Hash& has
   if (!hash.name(job)) {
     return;
   }
-  // Where it is linked is told by who shows it: hooks, leads. A name only: number.
-  const auto& [queue_hook, deadline_hook, write_hook, number, owner, source, weight, job_class,
-               sequence, deadline, transactions, current, leads, accepted_at, was_on_wire,
-               abandoned, overtaken, accepted] = *job;
+  // Where it is linked is told by who shows it: hooks. Read of those that lead: sent. A name only:
+  // number.
+  const auto& [queue_hook, deadline_hook, stop_hook, number, owner, source, weight, job_class,
+               sequence, deadline, transactions, current, sent, accepted_at, was_on_wire, abandoned,
+               overtaken, accepted] = *job;
   for (const bool flag : {was_on_wire, abandoned, overtaken, accepted}) {
     hash.add(flag);
   }
@@ -187,10 +187,10 @@ void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& 
   // told only: counters, early_reported, second_reported, misfit_reported, pause_reported,
   // owed_until, asked_at, silence, times, second_at, second_read_at, setting, unreached,
   // failed_stop.
-  const auto& [device, counters, health, hold, cache, free_at, probe, setting_known, early_reported,
-               stop_unanswered, stops_given_up, second_reported, misfit_reported, pause_reported,
-               owed_until, others_at, asked_at, silence, times, second_at, second_read_at, setting,
-               unreached, failed_stop] = entry;
+  const auto& [device, counters, health, hold, cache, free_at, probe, probe_at, wanted_at,
+               setting_known, early_reported, stop_unanswered, stops_given_up, second_reported,
+               misfit_reported, pause_reported, owed_until, others_at, asked_at, silence, times,
+               second_at, second_read_at, setting, unreached, failed_stop] = entry;
   read(health, entry.in_force(), hash);
   read(hold, entry.in_force(), hash);
   read(cache, device->cache, hash);
@@ -200,17 +200,16 @@ void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& 
   hash.add(stop_unanswered);
   hash.add(stops_given_up);
   if (sight.may_be_offline && health.is_offline()) {
-    hash.since(health.probe_at(), kFarPast);
-    hash.since(health.wanted_at(), entry.in_force().probe_interval);
+    hash.since(probe_at, kFarPast);
+    hash.since(wanted_at, entry.in_force().probe_interval);
   }
 }
 
 void StateReader::read(const bus::DeviceHealth& health, const drive::DeviceTiming& timing,
                        Hash& hash) {
-  // Read with the entry, because they count only offline: probe_at, wanted_at. On a serial line all
-  // that may end was sent later than what was answered: answered_sent. Shown only: damaged_in_row.
-  const auto& [unanswered_in_row, answered_sent, damaged_in_row, state, probe_at, wanted_at] =
-      health;
+  // On a serial line all that may end was sent later than what was answered: answered_sent. Shown
+  // only: damaged_in_row, since.
+  const auto& [unanswered_in_row, answered_sent, damaged_in_row, state, since] = health;
   if (timing.offline_after != 0) {
     hash.add(unanswered_in_row);
   }

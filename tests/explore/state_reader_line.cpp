@@ -6,21 +6,20 @@ namespace mbgate::explore {
 
 void StateReader::read(const bus::LineDiscipline& line, const Sight& sight, Hash& hash) {
   // Only where the far end may close: use.
-  const auto& [variant, use] = line;
+  const auto& [use, variant] = line;
   read(std::get<bus::SerialDiscipline>(variant), sight, hash);
 }
 
 void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Hash& hash) {
-  // Settings: paced_setting, slack. Counted, shown or told only:
-  // counters, draining, heard, heard_at, unpaced_reported. Without a
+  // Counted, shown or told only: counters, draining, heard, heard_at, unpaced_reported. Without a
   // driver that holds something: unsent, is_answerless. Empty when the machine was asked for its
   // actions: faults, refused, end.
-  const auto& [silence, paced_setting, paced, counters, faults, slack, echo, framer, transaction,
-               response_due, response_deadline, response_wait, owed, misfit, may_be_echo, refused,
-               draining, heard, heard_at, unpaced_reported, unsent, is_answerless, end] = line;
-  // Settings: timing, frame_gap, turnaround, settle.
-  const auto& [timing, frame_gap, pause, turnaround, settle, quiet_since, busy_since,
-               settling_until, listening_until, turnaround_until, emission_ends] = silence;
+  const auto& [settings, silence, paced, counters, faults, echo, framer, transaction, response_due,
+               response_deadline, response_wait, owed, misfit, may_be_echo, refused, draining,
+               heard, heard_at, unpaced_reported, unsent, is_answerless, end] = line;
+  // A setting: timing.
+  const auto& [its_settings, timing, pause, quiet_since, busy_since, settling_until,
+               listening_until, turnaround_until, emission_ends] = silence;
   require(faults.empty() && !end, "a line has told everything");
   const bool is_running = transaction != nullptr;
   // A stop compares these with its own instants; others with now.

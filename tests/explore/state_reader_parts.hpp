@@ -43,8 +43,8 @@ struct StateReader {
   static void read(const bus::LastSent& sent, const bus::BusSettings& settings, const Sight& sight,
                    Hash& hash);
   static void read(const bus::LinkState& link, Hash& hash);
-  static void read(const bus::Transmission& transmission, const bus::DeviceTable& devices,
-                   gateway::Gateway& gateway, Hash& hash);
+  static void read_leader(const bus::Job& leader, const bus::DeviceTable& devices,
+                          gateway::Gateway& gateway, Hash& hash);
   static void read(const bus::Job* job, gateway::Gateway& gateway, Hash& hash);
   static void read(const bus::Transaction& transaction, Hash& hash);
 

@@ -15,7 +15,7 @@ FRONTS = {
     "app/trace": {"trace_json"},
     "app/who": {"who_options"},
     "bus/health": {"device_table", "line_diagnosis", "line_quality", "probes"},
-    "bus/queue": {"admission", "bus_queue", "fairness", "scheduler", "stop_lane"},
+    "bus/queue": {"bus_queue", "fairness", "scheduler", "stop_lane"},
     "bus/serial": {"serial_discipline"},
     "bus/tcp": {"tcp_discipline"},
     "bus/transmission": {"dispatch", "job_ends", "outcomes", "read_cache", "transmission"},

@@ -20,7 +20,7 @@ MessageId id_of_fault(bus::LineFault fault) {
     case bus::LineFault::echo_denied: return message_id::kEchoDenied;
     case bus::LineFault::echo_unproven: return message_id::kEchoUnproven;
     case bus::LineFault::answered_while_sending: return message_id::kAnsweredWhileSending;
-    case bus::LineFault::unanswered: return message_id::kLineUnanswered;
+    case bus::LineFault::unanswered: return message_id::kConnectionReplaced;
   }
   return {};
 }
@@ -126,7 +126,6 @@ struct Topics {
   Topic operator()(const BusOpened& e) const { return on_bus(kBusOpened, e); }
   Topic operator()(const BusLost& e) const { return on_bus(kBusLost, e); }
   Topic operator()(const AdapterSilent& e) const { return on_bus(kAdapterSilent, e); }
-  Topic operator()(const ConnectionReplaced& e) const { return on_bus(kConnectionReplaced, e); }
   Topic operator()(const ClientRefused& e) const { return of_client(id_of_refusal(e.reason), e); }
   Topic operator()(const ClientDisplaced& e) const { return of_client(kClientDisplaced, e); }
   Topic operator()(const ClientOverRate& e) const { return of_client(kClientOverRate, e); }

@@ -24,7 +24,6 @@ inline constexpr MessageId kLineWarning{"b4edb704280640228ee2a49d034606cd"};
 inline constexpr MessageId kAdapterSilent{"ee935428a32a4cc5af368072827bf06a"};
 inline constexpr MessageId kConnectionReplaced{"d1a9afd6c4b94c7e824b420c43e87fa0"};
 inline constexpr MessageId kLineNeverSilent{"a0dcdafc225f423bab996e6d001735e2"};
-inline constexpr MessageId kLineUnanswered{"95782faeceb8449f95cb8402c3a5f9ad"};
 inline constexpr MessageId kFramingLost{"8adb1b11479e4ea89c57aa1bc8ed3a3f"};
 inline constexpr MessageId kDriverStalled{"70cfc18dc6f54d9ebf0a7f5498485ca3"};
 inline constexpr MessageId kEchoDiffered{"531faef7580c4888b07e9358a76d494a"};

@@ -22,26 +22,7 @@ enum class DeviceState : std::uint8_t {
   not_answering = 2,  ///< it has not
   offline = 3,        ///< it has not answered for so long that it is only probed
   damaged = 4,        ///< its last answers had a bad CRC or LRC
-  line_not_open = 5   ///< it was answering when its line was lost (BusView::state_of)
-};
-
-/// The state that lasts, and when it began.
-class LastingState {
- public:
-  [[nodiscard]] DeviceState state() const { return state_; }
-  /// Instant::min() as long as nothing is known of the device.
-  [[nodiscard]] Instant since() const { return since_; }
-  /// It is in this state at `at`. Returns the one that it was in.
-  DeviceState enter(DeviceState state, Instant at) {
-    if (state != state_) {
-      since_ = at;
-    }
-    return std::exchange(state_, state);
-  }
-
- private:
-  DeviceState state_ = DeviceState::not_asked;
-  Instant since_ = Instant::min();
+  line_not_open = 5   ///< it was answering when its line was lost (Parts::state_of)
 };
 
 class DeviceHealth {
@@ -58,14 +39,14 @@ class DeviceHealth {
       return false;
     }
     const bool is_lost = offline_after != 0 && unanswered_in_row_ >= offline_after;
-    state_.enter(is_lost ? DeviceState::offline : DeviceState::not_answering, due);
+    enter(is_lost ? DeviceState::offline : DeviceState::not_answering, due);
     return is_lost;
   }
   /// An answer came with a wrong CRC or LRC, or fits in nothing else.
   void note_damaged(Instant now) {
     const bool was_well = state() == DeviceState::answering && ++damaged_in_row_ < kDamagedInRow;
     if (!is_offline() && !was_well) {
-      state_.enter(DeviceState::damaged, now);
+      enter(DeviceState::damaged, now);
     }
   }
   /// The transmission at `sent` was answered; note_heard() follows.
@@ -74,39 +55,80 @@ class DeviceHealth {
   /// back.
   bool note_heard(Instant now) {
     unanswered_in_row_ = damaged_in_row_ = 0;
-    return state_.enter(DeviceState::answering, now) == DeviceState::offline;
+    return enter(DeviceState::answering, now) == DeviceState::offline;
   }
   /// Another device is at this address now. What decides stays: the row of unanswered
   /// transmissions; and the state, as long as it is offline, because that is how requests to this
   /// address are treated.
   void forget_shown() {
     if (!is_offline()) {
-      state_ = {};
+      state_ = DeviceState::not_asked;
+      since_ = Instant::min();
     }
   }
 
-  [[nodiscard]] DeviceState state() const { return state_.state(); }
+  [[nodiscard]] DeviceState state() const { return state_; }
   /// When it began: when it was noticed or, if an answer did not come, when that was due, which may
   /// be a little later than now. Instant::min(): nothing is known of the device.
-  [[nodiscard]] Instant state_since() const { return state_.since(); }
+  [[nodiscard]] Instant state_since() const { return since_; }
   [[nodiscard]] bool is_offline() const { return state() == DeviceState::offline; }
   [[nodiscard]] unsigned unanswered_in_row() const { return unanswered_in_row_; }
-  /// When the next probe may be sent.
-  [[nodiscard]] Instant probe_at() const { return probe_at_; }
-  void set_probe_at(Instant instant) { probe_at_ = instant; }
-  /// When a request was last refused because the device is offline.
-  [[nodiscard]] Instant wanted_at() const { return wanted_at_; }
-  void set_wanted_at(Instant instant) { wanted_at_ = instant; }
 
  private:
   static constexpr unsigned kDamagedInRow = 3;  // of a device that answers, before it is shown
 
+  /// Returns the state that it was in.
+  DeviceState enter(DeviceState state, Instant at) {
+    since_ = state != state_ ? at : since_;
+    return std::exchange(state_, state);
+  }
+
   unsigned unanswered_in_row_ = 0;  // sent after the last transmission that was answered
   Instant answered_sent_ = Instant::min();
   unsigned damaged_in_row_ = 0;  // shown only
-  LastingState state_;
-  Instant probe_at_ = Instant::min();
-  Instant wanted_at_ = Instant::min();
+  DeviceState state_ = DeviceState::not_asked;
+  Instant since_ = Instant::min();
+};
+
+// How long nothing has come from a device, as it is shown. It decides nothing: what takes a device
+// offline is counted in DeviceHealth, where a damaged answer ends no row.
+
+class Silence {
+ public:
+  /// A valid answer of the device came, late or not.
+  void note_answer(Instant now) {
+    last_answer_ = now;
+    note_damaged(now);
+  }
+  /// An answer with a bad CRC or LRC came.
+  void note_damaged(Instant now) {
+    heard_ = now;
+    transmissions_ = requests_ = 0;
+  }
+  /// A transmission of `sent` was left unanswered; `is_first`: it was no repetition.
+  void note_unanswered(Instant sent, bool is_first) {
+    if (sent >= heard_) {
+      began_ = transmissions_ == 0 ? sent : began_;
+      ++transmissions_;
+      requests_ += is_first ? 1U : 0U;
+    }
+  }
+
+  /// Sent and left unanswered since the last frame of the device.
+  [[nodiscard]] unsigned transmissions() const { return transmissions_; }
+  /// Of how many requests these are; one whose first transmission was damaged does not count.
+  [[nodiscard]] unsigned requests() const { return requests_; }
+  /// When the first of these was sent; without meaning if there is none.
+  [[nodiscard]] Instant began() const { return began_; }
+  /// Instant::min(): none came.
+  [[nodiscard]] Instant last_answer() const { return last_answer_; }
+
+ private:
+  unsigned transmissions_ = 0;
+  unsigned requests_ = 0;
+  Instant began_ = Instant::min();
+  Instant heard_ = Instant::min();
+  Instant last_answer_ = Instant::min();
 };
 
 }  // namespace mbgate::bus

@@ -19,22 +19,6 @@ std::array<std::string, kAddresses> names_of(std::span<const drive::Device> devi
 
 }  // namespace
 
-TimesInForce DeviceEntry::in_force(const modbus::Request& request, bool hurries) const {
-  TimesInForce found{device->timing_of(request)};
-  Duration& timeout = found.timing.response_timeout;
-  if (hurries) {
-    const Duration usual = std::exchange(timeout, found.timing.probe_timeout_or_default());
-    found.hurried_by = std::max(usual - timeout, Duration{0});
-  }
-  return found;
-}
-
-modbus::Pdu DeviceEntry::plain_echo(const modbus::Pdu& frame) const {
-  const auto* const write = hold.oldest_that(
-      [&](const modbus::Request& asked) { return device->takes_limited(asked, frame.bytes()); });
-  return write == nullptr ? frame : write->pdu();
-}
-
 void DeviceEntry::forget_shown() {
   health.forget_shown();
   asked_at = second_at = second_read_at = Instant::min();
@@ -117,36 +101,25 @@ void DeviceTable::note_reconfiguring(const Transaction& transaction) {
   for (const drive::Device& device : devices_) {
     const bool heard = transaction.is_broadcast() || device.address == transaction.address;
     if (heard && device.is_reconfigured_by(transaction.request)) {
-      (*this)[device.address].setting_known = false;
-      (*this)[device.address].setting.reset();
+      (*this)[device.address].forget_setting();
     }
   }
 }
 
 void DeviceTable::forget_what_was_read() {
   for (DeviceEntry& entry : entries()) {
-    entry.setting_known = false;
-    entry.setting.reset();
+    entry.forget_setting();
     entry.cache.clear();
   }
 }
 
-void DeviceTable::begin_write(const Job& write) {
+void DeviceTable::note_write(const Job& write, void (ReadCache::*note)()) {
   if (!write.is_broadcast()) {
-    (*this)[write.address()].cache.begin_write();
+    ((*this)[write.address()].cache.*note)();
     return;
   }
-  unused_.cache.begin_write();
-  std::ranges::for_each(entries(), [](DeviceEntry& entry) { entry.cache.begin_write(); });
-}
-
-void DeviceTable::end_write(const Job& write) {
-  if (!write.is_broadcast()) {
-    (*this)[write.address()].cache.end_write();
-    return;
-  }
-  unused_.cache.end_write();
-  std::ranges::for_each(entries(), [](DeviceEntry& entry) { entry.cache.end_write(); });
+  (unused_.cache.*note)();
+  std::ranges::for_each(entries(), [note](DeviceEntry& entry) { (entry.cache.*note)(); });
 }
 
 void DeviceTable::take_over(DeviceTable& before) {

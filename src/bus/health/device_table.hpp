@@ -23,7 +23,6 @@
 #include "bus/durations.hpp"
 #include "bus/health/device_health.hpp"
 #include "bus/health/hold.hpp"
-#include "bus/health/silence.hpp"
 #include "bus/job.hpp"
 #include "bus/settings.hpp"
 #include "bus/transmission/read_cache.hpp"
@@ -40,21 +39,16 @@ struct FailedStop {
   std::uint8_t exception = 0;  ///< with which it was refused; 0: it was unanswered
 };
 
-/// The times of one transmission.
-struct TimesInForce {
-  drive::DeviceTiming timing;
-  /// The response timeout is shorter by this, because the device may not be there.
-  Duration hurried_by{0};
-};
-
 struct DeviceEntry {
   const drive::Device* device = nullptr;  ///< never null
   DeviceCounters counters;
   DeviceHealth health;
   Hold hold;
   ReadCache cache;
-  Instant free_at = Instant::min();  ///< it boots, or pauses: only stops are sent to it before
-  Job* probe = nullptr;              ///< the job that probes it while it is offline
+  Instant free_at = Instant::min();    ///< it boots, or pauses: only stops are sent to it before
+  Job* probe = nullptr;                ///< the job that probes it while it is offline
+  Instant probe_at = Instant::min();   ///< when the next one may be sent
+  Instant wanted_at = Instant::min();  ///< when a request was last refused because it is offline
   /// The device's own setting was read and is as configured (Transaction::must_hold). Since then
   /// every request was answered, the line was not reopened, and no communication register was
   /// written.
@@ -84,13 +78,8 @@ struct DeviceEntry {
   /// And the last stop, if it was given up and no write was acknowledged since.
   std::optional<FailedStop> failed_stop;
 
-  /// The times in force for the device, and for one request to it, which is a probe or a stop to an
-  /// offline device if it `hurries`.
+  /// The times in force for the device.
   [[nodiscard]] const drive::DeviceTiming& in_force() const { return device->timing; }
-  [[nodiscard]] TimesInForce in_force(const modbus::Request& request, bool hurries) const;
-  /// An unexpected frame; if the drive limits values, and acknowledges a write by its address
-  /// alone: the plain echo of the oldest write that the frame may acknowledge.
-  [[nodiscard]] modbus::Pdu plain_echo(const modbus::Pdu& frame) const;
   /// No [[device]] has this address, and nobody was ever heard there.
   [[nodiscard]] bool is_unknown() const {
     return device->name.empty() && health.state() == DeviceState::not_asked;
@@ -107,6 +96,10 @@ struct DeviceEntry {
   void hold_after(const modbus::Request& request, Instant now) {
     const Duration gap = request.is_read() ? Duration{0} : in_force().gap_after_write;
     free_at = gap > Duration{0} ? std::max(free_at, now + gap) : free_at;
+  }
+  void forget_setting() {
+    setting_known = false;
+    setting.reset();
   }
   /// A frame of the device was received: it is there.
   void note_heard() { stop_unanswered = stops_given_up = false; }
@@ -148,10 +141,9 @@ class DeviceTable {
   void note_reconfiguring(const Transaction& transaction);
   /// The line was reopened: there may be other devices on it, or the same ones with other settings.
   void forget_what_was_read();
-  /// A write was accepted, or has ended. What was read from its device before does not answer a
-  /// request any more.
-  void begin_write(const Job& write);
-  void end_write(const Job& write);
+  /// A write was accepted, or has ended (ReadCache::begin_write, end_write). What was read from its
+  /// device before does not answer a request any more.
+  void note_write(const Job& write, void (ReadCache::*note)());
   /// What is owed and was learned at each address, by a bus that had the same port before.
   void take_over(DeviceTable& before);
   void clear_counters();

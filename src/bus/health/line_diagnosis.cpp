@@ -17,17 +17,21 @@ constexpr std::size_t kLeastHeard = 3;  // fewer bytes are a driver that turns o
 
 /// Is it what the device is asked now?
 bool is_own(const Parts& parts, const UnsolicitedFrame& unsolicited) {
-  const Transmission* asked = parts.transmissions.in_flight_to(unsolicited.address);
-  return asked != nullptr && asked->on_wire().request.pdu() == unsolicited.pdu;
+  const Job* asked = parts.transmissions.in_flight_to(unsolicited.address);
+  return asked != nullptr && asked->transaction().request.pdu() == unsolicited.pdu;
 }
 
 // On a serial line a drive that limits values acknowledges a write by its address alone: the frame
 // is the echo of the oldest such write, unless that is an earlier try of what it is asked now.
 UnsolicitedFrame as_plain_echo(Parts& parts, const UnsolicitedFrame& frame) {
-  const Transmission* asked = parts.transmissions.in_flight_to(frame.address);
+  const Job* asked = parts.transmissions.in_flight_to(frame.address);
+  const DeviceEntry& entry = parts.devices[frame.address];
+  const auto* const write = entry.hold.oldest_that([&](const modbus::Request& it) {
+    return entry.device->takes_limited(it, frame.pdu.bytes());
+  });
   UnsolicitedFrame plain = frame;
-  plain.pdu = parts.devices[frame.address].plain_echo(frame.pdu);
-  const bool is_own_try = is_own(parts, plain) && asked->tries > 1 && !asked->is_stop();
+  plain.pdu = write == nullptr ? frame.pdu : write->pdu();
+  const bool is_own_try = is_own(parts, plain) && asked->sent.tries > 1 && !asked->is_stop();
   return is_own_try || parts.line.serial() == nullptr ? frame : plain;
 }
 
@@ -106,29 +110,24 @@ void LineDiagnosis::note_ended(const Asked& asked, const LineEnd& end, Instant n
 
 void LineDiagnosis::note_silence(const Asked& asked, Instant now) {
   Silence& silence = parts_.devices[asked.address].silence;
-  switch (asked.how) {
-    case LineEnd::How::response: silence.note_answer(now); break;
-    case LineEnd::How::damaged:
-    case LineEnd::How::misfit: silence.note_damaged(now); break;
-    case LineEnd::How::no_response:
-      if (asked.wants_answer) {
-        silence.note_unanswered(asked.sent, asked.is_first);
-      }
-      break;
-    case LineEnd::How::sent: break;
+  if (asked.how == LineEnd::How::response) {
+    silence.note_answer(now);
+  } else if (asked.how == LineEnd::How::damaged || asked.how == LineEnd::How::misfit) {
+    silence.note_damaged(now);
+  } else if (asked.how == LineEnd::How::no_response && asked.wants_answer) {
+    silence.note_unanswered(asked.sent, asked.is_first);
   }
 }
 
 // On a connection it is not known which part of the time is the wire's.
-void LineDiagnosis::note_times(const Transmission& transmission, const LineEnd& end, Instant now) {
-  const Job& job = *transmission.leader;
-  AnswerTimes& times = parts_.devices[transmission.on_wire().address].times;
-  const Duration whole = std::max(now - transmission.last_sent, Duration{0});
+void LineDiagnosis::note_times(const Job& job, const LineEnd& end, Instant now) {
+  AnswerTimes& times = parts_.devices[job.transaction().address].times;
+  const Duration whole = std::max(now - job.sent.last_at, Duration{0});
   const Duration device = end.heard > 0 ? end.heard_after : whole;
   times.device.note(device);
   times.wire.note(whole - device);
-  if (job.current == 0 && transmission.tries == 1) {
-    times.queue.note(transmission.transmitted_at - job.accepted_at);
+  if (job.current == 0 && job.sent.tries == 1) {
+    times.queue.note(job.sent.first_at - job.accepted_at);
   }
 }
 
@@ -238,23 +237,23 @@ bool LineDiagnosis::note_second_answer(const UnsolicitedFrame& unsolicited) {
 // It stands in the place of the answer to what the device is asked, and fits in its function alone.
 bool LineDiagnosis::note_misfit(const UnsolicitedFrame& unsolicited) {
   SerialDiscipline* line = parts_.line.serial();  // a connection's identifiers tell answers apart
-  const Transmission* asked = parts_.transmissions.in_flight_to(unsolicited.address);
+  const Job* asked = parts_.transmissions.in_flight_to(unsolicited.address);
   const std::uint8_t function = unsolicited.pdu.function() & ~modbus::kExceptionBit;
   if (line == nullptr || unsolicited.after_noise || unsolicited.is_request || asked == nullptr ||
-      asked->on_wire().request.function() != function || unsolicited.came < asked->last_sent ||
-      is_own(parts_, unsolicited)) {
+      asked->transaction().request.function() != function ||
+      unsolicited.came < asked->sent.last_at || is_own(parts_, unsolicited)) {
     return false;
   }
   DeviceEntry& entry = parts_.devices[unsolicited.address];
   entry.note_heard();
   // A stop with another value is none; it may be the late echo of another stop.
   if (!asked->is_stop() &&
-      entry.device->takes_limited(asked->on_wire().request, unsolicited.pdu.bytes())) {
+      entry.device->takes_limited(asked->transaction().request, unsolicited.pdu.bytes())) {
     line->take_misfit(unsolicited.pdu, std::nullopt);
     return true;
   }
   const Duration longest =
-      asked->on_wire().request.is_read() ? entry.hold.pace().longest_answer() : Duration{0};
+      asked->transaction().request.is_read() ? entry.hold.pace().longest_answer() : Duration{0};
   line->take_misfit(unsolicited.pdu,
                     unsolicited.came + parts_.settings.frame_slack_or_default() + longest);
   return true;

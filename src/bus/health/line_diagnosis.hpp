@@ -125,7 +125,7 @@ class LineDiagnosis {
   void note_unsolicited(const UnsolicitedFrame& unsolicited);
   void note_ended(const Asked& asked, const LineEnd& end, Instant now);
   /// It was answered: how long that took.
-  void note_times(const Transmission& transmission, const LineEnd& end, Instant now);
+  void note_times(const Job& job, const LineEnd& end, Instant now);
   /// What was seen at these addresses was seen of other devices.
   void note_other_devices(const Addresses& addresses);
   /// The server takes requests and does not answer. Returns true the first time since something was

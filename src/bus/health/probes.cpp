@@ -14,13 +14,12 @@ constexpr int kPercent = 100;
 // for it, and it may be asked.
 bool Probes::may_ask(const Job& job, Instant now) const {
   const DeviceEntry& entry = devices_[job.address()];
-  if (now < entry.health.probe_at() || (!nobody_else_asks(now) && now < next_at_)) {
+  if (now < entry.probe_at || (!nobody_else_asks(now) && now < next_at_)) {
     return false;
   }
   const auto goes_first = [&](const DeviceEntry& other) {
-    return other.health.probe_at() < entry.health.probe_at() &&
-           now < other.health.wanted_at() + other.in_force().probe_interval &&
-           now >= other.free_at &&
+    return other.probe_at < entry.probe_at &&
+           now < other.wanted_at + other.in_force().probe_interval && now >= other.free_at &&
            (settings_.has_identifiers() || now >= other.hold.until(other.in_force()));
   };
   return std::ranges::none_of(devices_.entries(), [&](const DeviceEntry& other) {
@@ -30,7 +29,7 @@ bool Probes::may_ask(const Job& job, Instant now) const {
 
 void Probes::note_accepted(Job& job) {
   DeviceEntry& entry = devices_[job.address()];
-  if (!entry.health.is_offline() || job.job_class == JobClass::stop || job.is_broadcast()) {
+  if (!entry.health.is_offline() || job.is_stop() || job.is_broadcast()) {
     ++others_;
   } else {
     entry.probe = &job;
@@ -47,22 +46,22 @@ void Probes::note_released(const Job& job, Instant at) {
   }
 }
 
-void Probes::note_unanswered(const Transmission& probe, Instant now) {
-  DeviceEntry& entry = devices_[probe.on_wire().address];
-  if (!probe.is_probe || !entry.health.is_offline()) {
+void Probes::note_unanswered(const Job& probe, Instant now) {
+  DeviceEntry& entry = devices_[probe.transaction().address];
+  if (!probe.sent.is_probe || !entry.health.is_offline()) {
     return;  // the device was heard meanwhile
   }
-  entry.health.set_probe_at(probe.last_sent + entry.in_force().probe_interval);
+  entry.probe_at = probe.sent.last_at + entry.in_force().probe_interval;
   // A shorter one that went while nobody else asked leaves the share of a longer one.
-  const Duration took = now - probe.last_sent;
-  next_at_ = std::max(next_at_, probe.last_sent + took * kPercent / settings_.probe_share);
+  const Duration took = now - probe.sent.last_at;
+  next_at_ = std::max(next_at_, probe.sent.last_at + took * kPercent / settings_.probe_share);
 }
 
 void Probes::expect_others(Instant now) {
   next_at_ = now;
   for (DeviceEntry& entry : devices_.entries()) {
     if (entry.health.is_offline()) {
-      entry.health.set_probe_at(now);
+      entry.probe_at = now;
     }
   }
 }

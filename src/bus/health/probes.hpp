@@ -24,7 +24,7 @@ class Probes {
   /// The bus no longer has the job.
   void note_released(const Job& job, Instant at);
   /// If the transmission is a probe: it was left unanswered, or its answer was damaged or cut off.
-  void note_unanswered(const Transmission& probe, Instant now);
+  void note_unanswered(const Job& probe, Instant now);
   /// The next probes of all offline devices are due now.
   void expect_others(Instant now);
 

@@ -2,6 +2,7 @@
 #include "bus/queue/bus_queue.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace mbgate::bus {
 
@@ -19,20 +20,14 @@ bool BusQueue::push(Job& job) {
   }
   Source& source = source_of(job);
   source.waiting.push_back(job);
-  link(job, source);
-  return true;
-}
-
-void BusQueue::link(Job& job, Source& source) {
   source.weight = job.weight;
   if (!source.round_hook.is_linked()) {
     source.turns = source.weight;
     round_.push_back(source);
   }
   by_deadline_.insert(job);
-  if (is_write(job.job_class)) {
-    writes_.insert(job);
-  }
+  writes_ += is_write(job.job_class) ? 1U : 0U;
+  return true;
 }
 
 Job* BusQueue::read_to_evict() {
@@ -46,13 +41,19 @@ Job* BusQueue::read_to_evict() {
   return newest == most->waiting.rend() ? nullptr : &*newest;
 }
 
-bool BusQueue::write_waits_between(std::uint8_t address, std::uint64_t from,
-                                   std::uint64_t to) const {
-  const auto any = [&](unsigned place) {
-    const auto first = writes_.lower_bound(WritePlace{place, from}, ByPlace{});
-    return first != writes_.end() && place_of(*first) < WritePlace{place, to};
-  };
-  return any(address) || any(kEveryAddress);
+std::pair<std::uint64_t, std::uint64_t> BusQueue::writes_around(std::uint8_t address,
+                                                                std::uint64_t sequence) {
+  std::uint64_t before = 0;
+  std::uint64_t behind = std::numeric_limits<std::uint64_t>::max();
+  if (writes_ > 0) {
+    visit_all([&](const Job& job) {
+      if (is_write(job.job_class) && (job.is_broadcast() || job.address() == address)) {
+        before = job.sequence < sequence ? std::max(before, job.sequence) : before;
+        behind = job.sequence > sequence ? std::min(behind, job.sequence) : behind;
+      }
+    });
+  }
+  return {before, behind};
 }
 
 void BusQueue::take(Job& job) {
@@ -74,15 +75,12 @@ void BusQueue::remove(Job& job) {
     round_.erase(Round::s_iterator_to(source));
   }
   by_deadline_.erase(DeadlineSet::s_iterator_to(job));
-  if (job.write_hook.is_linked()) {
-    writes_.erase(WriteSet::s_iterator_to(job));
-  }
+  writes_ -= is_write(job.job_class) ? 1U : 0U;
 }
 
 Job* BusQueue::first_to_expire() { return by_deadline_.empty() ? nullptr : &*by_deadline_.begin(); }
 
-std::optional<BusQueue::Most> BusQueue::most_waiting(
-    const std::bitset<kAddresses>& held_back) const {
+std::optional<BusQueue::Most> BusQueue::most_waiting(const Addresses& held_back) const {
   Most most;
   std::size_t all = 0;
   for (const Source& source : round_) {
@@ -99,9 +97,10 @@ std::optional<BusQueue::Most> BusQueue::most_waiting(
   return all == 0 ? std::nullopt : std::optional(most);
 }
 
-std::optional<Instant> BusQueue::oldest() const {
+Duration BusQueue::longest_wait(Instant now) const {
   const auto first = std::ranges::min_element(by_deadline_, {}, &Job::accepted_at);
-  return first == by_deadline_.end() ? std::nullopt : std::optional(first->accepted_at);
+  return first == by_deadline_.end() ? Duration{0}
+                                     : std::max(now - first->accepted_at, Duration{0});
 }
 
 std::optional<Instant> BusQueue::first_deadline() const {

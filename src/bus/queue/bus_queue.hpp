@@ -4,10 +4,12 @@
 // only when a client address is seen for the first time.
 #pragma once
 
+#include <algorithm>
 #include <bitset>
 #include <boost/intrusive/list.hpp>
 #include <boost/intrusive/set.hpp>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "bus/health/device_table.hpp"
@@ -33,8 +35,8 @@ class BusQueue {
   /// when `visit` returns true; the queue must not be changed before.
   template <typename Visit>
   void visit_candidates(JobClass job_class, Visit visit) {
-    const std::size_t reads = by_deadline_.size() - writes_.size();
-    if (job_class == JobClass::write ? writes_.empty() : reads == 0) {
+    const std::size_t reads = by_deadline_.size() - writes_;
+    if ((job_class == JobClass::write ? writes_ : reads) == 0) {
       return;  // nobody needs to look at hundreds of reads to find no write
     }
     for (Source& source : round_) {
@@ -59,14 +61,13 @@ class BusQueue {
   template <typename Visit>
   void visit_all(Visit visit) {
     for (Source& source : round_) {
-      for (Job& job : source.waiting) {
-        visit(job);
-      }
+      std::ranges::for_each(source.waiting, visit);
     }
   }
-  /// Does a write to the device wait that was accepted between these two?
-  [[nodiscard]] bool write_waits_between(std::uint8_t address, std::uint64_t from,
-                                         std::uint64_t to) const;
+  /// Of the waiting writes to the device, broadcasts among them: when the last one was accepted
+  /// before this place in the order of acceptance, and when the first one behind it.
+  [[nodiscard]] std::pair<std::uint64_t, std::uint64_t> writes_around(std::uint8_t address,
+                                                                      std::uint64_t sequence);
 
   /// Removes a job whose turn it is; its client address has one turn less.
   void take(Job& job);
@@ -76,8 +77,8 @@ class BusQueue {
   [[nodiscard]] Job* first_to_expire();
   [[nodiscard]] std::optional<Instant> first_deadline() const;
   [[nodiscard]] std::size_t size() const { return by_deadline_.size(); }
-  /// When the job was accepted that has waited longest.
-  [[nodiscard]] std::optional<Instant> oldest() const;
+  /// How long the job has waited that waits longest.
+  [[nodiscard]] Duration longest_wait(Instant now) const;
   /// The client address with the most waiting requests.
   struct Most {
     FairnessKey source{};
@@ -87,7 +88,7 @@ class BusQueue {
   };
   /// Requests for the addresses that are held back do not count: the line is not what they wait
   /// for.
-  [[nodiscard]] std::optional<Most> most_waiting(const std::bitset<kAddresses>& held_back) const;
+  [[nodiscard]] std::optional<Most> most_waiting(const Addresses& held_back) const;
 
  private:
   using JobList = boost::intrusive::list<
@@ -99,23 +100,6 @@ class BusQueue {
   using DeadlineSet = boost::intrusive::multiset<
       Job, boost::intrusive::compare<ByDeadline>,
       boost::intrusive::member_hook<Job, boost::intrusive::set_member_hook<>, &Job::deadline_hook>>;
-  /// Broadcasts are sorted together, as writes to an address that no device has.
-  struct WritePlace {
-    unsigned address;
-    std::uint64_t sequence;
-    auto operator<=>(const WritePlace&) const = default;
-  };
-  static constexpr unsigned kEveryAddress = kAddresses;
-  static WritePlace place_of(const Job& job) {
-    return {job.is_broadcast() ? kEveryAddress : job.address(), job.sequence};
-  }
-  struct ByPlace {
-    bool operator()(const Job& a, const Job& b) const { return place_of(a) < place_of(b); }
-    bool operator()(const Job& a, const WritePlace& b) const { return place_of(a) < b; }
-  };
-  using WriteSet = boost::intrusive::multiset<
-      Job, boost::intrusive::compare<ByPlace>,
-      boost::intrusive::member_hook<Job, boost::intrusive::set_member_hook<>, &Job::write_hook>>;
   struct Source {
     boost::intrusive::list_member_hook<> round_hook;
     JobList waiting;
@@ -127,7 +111,6 @@ class BusQueue {
                                             &Source::round_hook>>;
 
   Source& source_of(const Job& job);
-  void link(Job& job, Source& source);
   template <typename Visit>
   static bool visit_source(Source& source, JobClass job_class, Visit& visit) {
     std::bitset<kAddresses> seen;
@@ -149,7 +132,7 @@ class BusQueue {
   std::vector<std::unique_ptr<Source>> sources_;  // by FairnessKey
   Round round_;                                   // sources with waiting jobs
   DeadlineSet by_deadline_;
-  WriteSet writes_;
+  std::size_t writes_ = 0;  // of these
 };
 
 }  // namespace mbgate::bus

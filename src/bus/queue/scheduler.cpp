@@ -7,7 +7,7 @@
 namespace mbgate::bus {
 
 Next Scheduler::next(Instant now) const {
-  if (Transmission* stop = choose_stop(now)) {
+  if (Job* stop = choose_stop(now)) {
     return next_stop(*stop, now);
   }
   const Next part = next_part(now);
@@ -28,17 +28,16 @@ Next Scheduler::next(Instant now) const {
 // its turn among the others, unless its device is held back.
 Next Scheduler::next_part(Instant now) const {
   Next next;
-  for (Transmission* running : parts_.transmissions.running()) {
-    Job& job = *running->leader;
-    const bool has_turn = running->is_between_tries() && !is_held_back(parts_, job, now);
+  for (Job* running : parts_.transmissions.running()) {
+    const bool has_turn = running->is_between_tries() && !is_held_back(parts_, *running, now);
     if (!parts_.transmissions.may_go_on(*running) || has_turn) {
       continue;
     }
-    const Wake ready = ready_at(parts_, job);
+    const Wake ready = ready_at(parts_, *running);
     if (now < ready.at) {
       next.at = earlier(next.at, ready);
     } else if (parts_.transmissions.has_room()) {
-      return {Next::Step::transmit, {}, &job};
+      return {Next::Step::transmit, {}, running};
     }
   }
   return next;
@@ -48,9 +47,9 @@ Next Scheduler::next_part(Instant now) const {
 // alone meanwhile. A job with a single transaction that is to be repeated blocks no other.
 bool Scheduler::has_place(Instant now) const {
   const auto occupied =
-      std::ranges::count_if(parts_.transmissions.running(), [&](const Transmission* running) {
-        return running->in_flight ||
-               (!running->is_between_tries() && !is_held_back(parts_, *running->leader, now));
+      std::ranges::count_if(parts_.transmissions.running(), [&](const Job* running) {
+        return running->sent.in_flight ||
+               (!running->is_between_tries() && !is_held_back(parts_, *running, now));
       });
   return static_cast<std::size_t>(occupied) < parts_.transmissions.room();
 }
@@ -77,16 +76,16 @@ bool Scheduler::goes_before_repeated(const Choice& choice, const Choice& repeate
 
 // The one that waits for its next try for longest.
 Job* Scheduler::next_repeated(Passing passing, Instant now) const {
-  const Transmission* next = nullptr;
-  for (const Transmission* running : parts_.transmissions.running()) {
-    if (running->is_between_tries() && !is_held_back(parts_, *running->leader, now) &&
+  Job* next = nullptr;
+  for (Job* running : parts_.transmissions.running()) {
+    if (running->is_between_tries() && !is_held_back(parts_, *running, now) &&
         parts_.transmissions.may_go_on(*running) &&
-        (passing == Passing::nothing || may_pass_stops(*running->leader, now)) &&
-        (next == nullptr || running->last_sent < next->last_sent)) {
+        (passing == Passing::nothing || may_pass_stops(*running, now)) &&
+        (next == nullptr || running->sent.last_at < next->sent.last_at)) {
       next = running;
     }
   }
-  return next == nullptr ? nullptr : next->leader;
+  return next;
 }
 
 // Jobs are looked at in the order of their turns. The first that only waits for the line goes next,
@@ -126,29 +125,28 @@ std::optional<Scheduler::Choice> Scheduler::next_waiting(Passing passing, Instan
 // of broadcasts, those of the same client address do not.
 bool Scheduler::may_join(const Job& job) const {
   const auto is_of_same = [&](const Job* other) { return other->source == job.source; };
-  return std::ranges::none_of(parts_.transmissions.running(), [&](const Transmission* running) {
-    const Job& other = *running->leader;
-    if (job.is_broadcast() && other.is_single_read() && running->is_between_tries()) {
-      return is_of_same(&other) || std::ranges::any_of(running->followers, is_of_same);
+  return std::ranges::none_of(parts_.transmissions.running(), [&](const Job* other) {
+    if (job.is_broadcast() && other->is_single_read() && other->is_between_tries()) {
+      return is_of_same(other) || std::ranges::any_of(other->sent.followers, is_of_same);
     }
     const bool meets =
-        other.address() == job.address() || job.is_broadcast() || other.is_broadcast();
-    const bool shares =
-        other.is_single_read() && job.is_single_read() && running->in_flight && running->tries == 1;
+        other->address() == job.address() || job.is_broadcast() || other->is_broadcast();
+    const bool shares = other->is_single_read() && job.is_single_read() && other->sent.in_flight &&
+                        other->sent.tries == 1;
     return meets && !shares;
   });
 }
 
 Instant held_until(const Parts& parts, const Job& job) {
-  if (job.job_class == JobClass::stop) {
-    return Instant::min();
+  const Duration recently = parts.settings.timing.probe_interval;
+  if (job.is_stop()) {
+    return is_given_up(parts, job) ? parts.payback.until(job.address(), recently) : Instant::min();
   }
   const std::size_t next = next_transaction(parts, job);
   const Transaction& transaction = job.transactions[next];
   const DeviceEntry& entry = parts.devices[transaction.address];
-  const bool repeats_read = job.leads != nullptr && job.leads->tries > 0 && next == job.current &&
-                            transaction.request.is_read();
-  const Duration recently = parts.settings.timing.probe_interval;
+  const bool repeats_read =
+      job.sent.tries > 0 && next == job.current && transaction.request.is_read();
   const Instant free =
       entry.is_silent() && !transaction.is_broadcast()
           ? std::max(entry.free_at, parts.payback.until(transaction.address, recently))
@@ -164,7 +162,7 @@ bool is_held_back(const Parts& parts, const Job& job, Instant now) {
 }
 
 Wake ready_at(const Parts& parts, const Job& job) {
-  if (job.job_class == JobClass::stop) {
+  if (job.is_stop()) {
     return {parts.line.ready_for_stop_at(), true};
   }
   const Transaction& transaction = job.transactions[next_transaction(parts, job)];
@@ -180,18 +178,17 @@ Wake ready_at(const Parts& parts, const Job& job) {
 std::size_t next_transaction(const Parts& parts, const Job& job) {
   std::size_t next = job.current;
   while (job.transactions[next].must_hold != nullptr &&
-         (job.job_class == JobClass::stop ||
-          parts.devices[job.transactions[next].address].setting_known)) {
+         (job.is_stop() || parts.devices[job.transactions[next].address].setting_known)) {
     ++next;
   }
   return next;
 }
 
-Transmission* in_the_way_of(const Parts& parts, const Job& stop) {
+Job* in_the_way_of(const Parts& parts, const Job& stop) {
   const auto running = parts.transmissions.running();
-  const auto found = std::ranges::find_if(running, [&](const Transmission* it) {
-    return it->in_flight &&
-           (parts.quarantines() || (it->is_stop() && it->leader->address() == stop.address()));
+  const auto found = std::ranges::find_if(running, [&](const Job* it) {
+    return it->sent.in_flight &&
+           (parts.quarantines() || (it->is_stop() && it->address() == stop.address()));
   });
   return found == running.end() ? nullptr : *found;
 }
@@ -203,26 +200,20 @@ Duration time_before_stop(const Parts& parts, const Transaction& sent) {
          std::max(parts.settings.stop_wait, kSafely * entry.hold.pace().longest_ordinary());
 }
 
-bool is_given_up(const Parts& parts, const Transmission& stop) {
-  return !stop.leader->is_broadcast() && stop.tries == 0 &&
-         parts.devices[stop.leader->address()].stops_given_up;
+bool is_given_up(const Parts& parts, const Job& stop) {
+  return !stop.is_broadcast() && stop.sent.tries == 0 &&
+         parts.devices[stop.address()].stops_given_up;
 }
 
-Instant held_until(const Parts& parts, const Transmission& stop) {
-  return is_given_up(parts, stop)
-             ? parts.payback.until(stop.leader->address(), parts.settings.timing.probe_interval)
-             : Instant::min();
+bool may_cut(const Parts& parts, const Job& stop, Instant now) {
+  return !is_given_up(parts, stop) && !parts.acknowledged.has(stop, now);
 }
 
-bool may_cut(const Parts& parts, const Transmission& stop, Instant now) {
-  return !is_given_up(parts, stop) && !parts.acknowledged.has(*stop.leader, now);
-}
-
-Instant stop_overdue_at(const Parts& parts, const Transmission& stop) {
+Instant stop_overdue_at(const Parts& parts, const Job& stop) {
   const LineSilence* silence = parts.line.silence();
-  return silence == nullptr
-             ? Instant::max()
-             : std::max(stop.waits_since, silence->busy_since()) + stop_deadline(parts.settings);
+  return silence == nullptr ? Instant::max()
+                            : std::max(stop.sent.waits_since, silence->busy_since()) +
+                                  stop_deadline(parts.settings);
 }
 
 }  // namespace mbgate::bus

@@ -6,7 +6,7 @@
 // To change
 // - what is sent next, what waits for a booting drive, what is sent between two tries: scheduler,
 //   bus_queue.
-// - what is refused or answered before it waits, eviction: admission.
+// - what is refused or answered before it waits, eviction: bus/admission.
 // - the order among stops, also to drives that do not answer: scheduler_stops; their tries:
 //   bus/transmission/outcomes.
 #pragma once
@@ -21,8 +21,8 @@ namespace mbgate::bus {
 // waits. These functions change nothing.
 
 /// Until then the device of the job boots, may send a late answer that could be mistaken for the
-/// answer to the job's request, or does not answer, and lost time is paid back to others. Nothing
-/// holds a stop but that its device was given up.
+/// answer to the job's request, or does not answer, and lost time is paid back to others. A stop
+/// waits only for the last of these, and only if its device was given up.
 [[nodiscard]] Instant held_until(const Parts& parts, const Job& job);
 [[nodiscard]] bool is_held_back(const Parts& parts, const Job& job, Instant now);
 /// The first instant at which the job may be transmitted. Does it end a silence, or what holds the
@@ -36,33 +36,30 @@ namespace mbgate::bus {
 /// The transmission in flight that keeps the stop from being sent; nullptr if there is none. On a
 /// serial line any does. With the identifiers of Modbus TCP nothing collides: only another stop to
 /// the same device does.
-[[nodiscard]] Transmission* in_the_way_of(const Parts& parts, const Job& stop);
+[[nodiscard]] Job* in_the_way_of(const Parts& parts, const Job& stop);
 /// How long what was sent has for its answer before a stop cuts it off, from when it has left. A
 /// stop into an answer that is on its way is a stop lost, so the device has the time that it needs.
 [[nodiscard]] Duration time_before_stop(const Parts& parts, const Transaction& sent);
 /// Were an earlier stop to its device and all its repetitions unanswered, and nothing heard since?
-[[nodiscard]] bool is_given_up(const Parts& parts, const Transmission& stop);
-/// A stop that was given up waits until then, while lost time is paid back to others.
-[[nodiscard]] Instant held_until(const Parts& parts, const Transmission& stop);
+[[nodiscard]] bool is_given_up(const Parts& parts, const Job& stop);
 /// Is a running transaction cut short for the stop? Not if its device was given up, nor if the stop
 /// only repeats an acknowledged one.
-[[nodiscard]] bool may_cut(const Parts& parts, const Transmission& stop, Instant now);
+[[nodiscard]] bool may_cut(const Parts& parts, const Job& stop, Instant now);
 /// When the stop is transmitted although the line was never silent (`stop_deadline`). Only the time
 /// in which an open line is not silent counts.
-[[nodiscard]] Instant stop_overdue_at(const Parts& parts, const Transmission& stop);
+[[nodiscard]] Instant stop_overdue_at(const Parts& parts, const Job& stop);
 
 /// The next step of a bus.
 struct Next {
   enum class Step : std::uint8_t {
     wait,      ///< until `at`, if it is known, or until something comes in
-    transmit,  ///< `job`: it waits in the queue, or leads a transmission; or `stop` of the lane
-    cancel,    ///< `stop`: nobody wants it any more
-    give_up    ///< `stop`: it was sent on a line that is never silent, and not acknowledged
+    transmit,  ///< `job`: it waits in the queue or the stop lane, or is between two transmissions
+    cancel,    ///< `job`, a stop: nobody wants it any more
+    give_up    ///< the same: it was sent on a line that is never silent, and not acknowledged
   };
   Step step = Step::wait;
   std::optional<Wake> at{};
   Job* job = nullptr;
-  Transmission* stop = nullptr;
 };
 
 class Scheduler {
@@ -99,10 +96,10 @@ class Scheduler {
   [[nodiscard]] bool may_join(const Job& job) const;
 
   // scheduler_stops.cpp: among the stops, and between two of them
-  [[nodiscard]] Transmission* choose_stop(Instant now) const;
-  [[nodiscard]] Next next_stop(Transmission& stop, Instant now) const;
-  [[nodiscard]] bool gives_way(const Transmission& stop, Instant now) const;
-  [[nodiscard]] std::optional<Choice> turn_before(const Transmission& stop, Instant now) const;
+  [[nodiscard]] Job* choose_stop(Instant now) const;
+  [[nodiscard]] Next next_stop(Job& stop, Instant now) const;
+  [[nodiscard]] bool gives_way(const Job& stop, Instant now) const;
+  [[nodiscard]] std::optional<Choice> turn_before(const Job& stop, Instant now) const;
   [[nodiscard]] bool may_pass_stops(const Job& job, Instant now) const;
 
   Parts& parts_;

@@ -14,41 +14,41 @@ bool does_not_answer(const DeviceEntry& entry) {
 
 // Of two stops to drives that do not answer, the second lets something else go first, and so does
 // one that repeats an acknowledged stop.
-bool has_turn_before(const Parts& parts, const Transmission& stop, Instant now) {
+bool has_turn_before(const Parts& parts, const Job& stop, Instant now) {
   const auto last = parts.last_sent.stop();
   return last && parts.transmissions.has_room() &&
-         (does_not_answer(parts.devices[*last]) || parts.acknowledged.has(*stop.leader, now));
+         (does_not_answer(parts.devices[*last]) || parts.acknowledged.has(stop, now));
 }
 
 // The time that the stop has waited behind a transmission that nobody answered does not count: two
 // stops in turn to a dead drive, and a pause after each (`settle`), would leave no turn to others.
-Instant could_go_at(const Parts& parts, const Transmission& stop) {
-  return std::max({stop.waits_since, parts.line.ready_for_stop_at(), parts.last_sent.ended_at()});
+Instant could_go_at(const Parts& parts, const Job& stop) {
+  return std::max(
+      {stop.sent.waits_since, parts.line.ready_for_stop_at(), parts.last_sent.ended_at()});
 }
 
 }  // namespace
 
 // Whoever repeats a stop to a dead drive, or one that was acknowledged, must not have the line for
 // itself. On a line that is never silent the turn of others would never come.
-bool Scheduler::gives_way(const Transmission& stop, Instant now) const {
-  const Job& job = *stop.leader;
-  const bool is_silent = !job.is_broadcast() && does_not_answer(parts_.devices[job.address()]);
-  return (is_silent || parts_.acknowledged.has(job, now)) && now < stop_overdue_at(parts_, stop);
+bool Scheduler::gives_way(const Job& stop, Instant now) const {
+  const bool is_silent = !stop.is_broadcast() && does_not_answer(parts_.devices[stop.address()]);
+  return (is_silent || parts_.acknowledged.has(stop, now)) && now < stop_overdue_at(parts_, stop);
 }
 
 // Stops to drives that answer go first.
-Transmission* Scheduler::choose_stop(Instant now) const {
-  const auto can_go = [&](const Transmission& stop) {
-    return in_the_way_of(parts_, *stop.leader) == nullptr && held_until(parts_, stop) <= now;
+Job* Scheduler::choose_stop(Instant now) const {
+  const auto can_go = [&](const Job& stop) {
+    return in_the_way_of(parts_, stop) == nullptr && held_until(parts_, stop) <= now;
   };
-  Transmission* urgent = parts_.stops.find(
-      [&](const Transmission& stop) { return can_go(stop) && !gives_way(stop, now); });
+  Job* urgent =
+      parts_.stops.find([&](const Job& stop) { return can_go(stop) && !gives_way(stop, now); });
   return urgent != nullptr ? urgent : parts_.stops.find(can_go);
 }
 
 // Where the line is never silent there is nothing to lose: the stop is transmitted all the same,
 // but not repeated so.
-Next Scheduler::next_stop(Transmission& stop, Instant now) const {
+Next Scheduler::next_stop(Job& stop, Instant now) const {
   if (gives_way(stop, now) && has_turn_before(parts_, stop, now)) {
     if (const auto turn = turn_before(stop, now)) {
       return turn->at() > now ? Next{Next::Step::wait, turn->when}
@@ -56,33 +56,31 @@ Next Scheduler::next_stop(Transmission& stop, Instant now) const {
     }
   }
   if (stop.is_abandoned()) {
-    return {Next::Step::cancel, {}, nullptr, &stop};
+    return {Next::Step::cancel, {}, &stop};
   }
   const Instant silent_at = parts_.line.ready_for_stop_at();
   if (silent_at <= now) {
-    return {Next::Step::transmit, {}, stop.leader, &stop};
+    return {Next::Step::transmit, {}, &stop};
   }
   const Instant overdue_at = std::max(stop_overdue_at(parts_, stop), parts_.line.possible_at());
   if (overdue_at > now) {
     return {Next::Step::wait, Wake{std::min(silent_at, overdue_at), silent_at <= overdue_at}};
   }
-  const auto step = stop.tries > 0 ? Next::Step::give_up : Next::Step::transmit;
-  return {step, {}, stop.leader, &stop};
+  const auto step = stop.sent.tries > 0 ? Next::Step::give_up : Next::Step::transmit;
+  return {step, {}, &stop};
 }
 
 // What goes between two tries of a stop, if it can begin soon enough.
-std::optional<Scheduler::Choice> Scheduler::turn_before(const Transmission& stop,
-                                                        Instant now) const {
+std::optional<Scheduler::Choice> Scheduler::turn_before(const Job& stop, Instant now) const {
   const Instant limit = could_go_at(parts_, stop) + parts_.settings.stop_wait;
   std::optional<Choice> turn;
   const auto running = parts_.transmissions.running();
-  const auto part = std::ranges::find_if(running, [&](const Transmission* transmission) {
-    return parts_.transmissions.may_go_on(*transmission) && !transmission->is_between_tries() &&
-           !is_held_back(parts_, *transmission->leader, now) &&
-           may_pass_stops(*transmission->leader, now);
+  const auto part = std::ranges::find_if(running, [&](const Job* job) {
+    return parts_.transmissions.may_go_on(*job) && !job->is_between_tries() &&
+           !is_held_back(parts_, *job, now) && may_pass_stops(*job, now);
   });
   if (part != running.end()) {
-    turn = ready(*(*part)->leader, now);
+    turn = ready(**part, now);
   } else {
     turn = next_turn(Passing::stops, now);
   }
@@ -93,9 +91,9 @@ std::optional<Scheduler::Choice> Scheduler::turn_before(const Transmission& stop
 // stop is for, unless that stop only repeats an acknowledged one.
 bool Scheduler::may_pass_stops(const Job& job, Instant now) const {
   return job.job_class == JobClass::read ||
-         (!job.is_broadcast() && parts_.stops.find([&](const Transmission& stop) {
-           return (stop.leader->address() == job.address() || stop.leader->is_broadcast()) &&
-                  !parts_.acknowledged.has(*stop.leader, now);
+         (!job.is_broadcast() && parts_.stops.find([&](const Job& stop) {
+           return (stop.address() == job.address() || stop.is_broadcast()) &&
+                  !parts_.acknowledged.has(stop, now);
          }) == nullptr);
 }
 

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "bus/job.hpp"
-#include "bus/transmission/transmission.hpp"
 
 namespace mbgate::bus {
 
@@ -23,48 +22,48 @@ class StopLane {
  public:
   [[nodiscard]] bool has_room(std::uint8_t address) {
     std::size_t stops = 0;
-    visit([&](const Transmission& it) { stops += it.leader->address() == address ? 1U : 0U; });
+    visit([&](const Job& it) { stops += it.address() == address ? 1U : 0U; });
     return stops < kRoomForStops;
   }
   /// Behind the others.
-  void push(Transmission& stop) { stops_.push_back(stop); }
+  void push(Job& stop) { stops_.push_back(stop); }
   /// Before those that were accepted later and were not tried yet.
-  void push_in_order(Transmission& stop) {
-    const auto later = std::ranges::find_if(stops_, [&](const Transmission& other) {
-      return other.tries == 0 && other.leader->sequence > stop.leader->sequence;
+  void push_in_order(Job& stop) {
+    const auto later = std::ranges::find_if(stops_, [&](const Job& other) {
+      return other.sent.tries == 0 && other.sequence > stop.sequence;
     });
     stops_.insert(later, stop);
   }
   /// In front of them.
-  void push_front(Transmission& stop) { stops_.push_front(stop); }
+  void push_front(Job& stop) { stops_.push_front(stop); }
   /// It waits again from `until` on.
-  void rest(Transmission& stop, Instant until) {
-    stop.waits_since = until;
+  void rest(Job& stop, Instant until) {
+    stop.sent.waits_since = until;
     resting_.push_back(stop);
   }
   /// Those whose rest is over wait, behind the others.
   void wake(Instant now) {
-    while (!resting_.empty() && resting_.front().waits_since <= now) {
+    while (!resting_.empty() && resting_.front().sent.waits_since <= now) {
       stops_.splice(stops_.end(), resting_, resting_.begin());
     }
   }
   [[nodiscard]] std::optional<Instant> next_wake() const {
-    return resting_.empty() ? std::nullopt : std::optional(resting_.front().waits_since);
+    return resting_.empty() ? std::nullopt : std::optional(resting_.front().sent.waits_since);
   }
-  void remove(Transmission& stop) { stops_.erase(List::s_iterator_to(stop)); }
+  void remove(Job& stop) { stops_.erase(List::s_iterator_to(stop)); }
 
   [[nodiscard]] bool empty() const { return stops_.empty(); }
   /// The number of places in use: stops that share one count once.
   [[nodiscard]] std::size_t size() const { return stops_.size() + resting_.size(); }
   /// The first for which `is_it` returns true; nullptr if there is none.
   template <typename Predicate>
-  [[nodiscard]] Transmission* find(Predicate is_it) {
+  [[nodiscard]] Job* find(Predicate is_it) {
     const auto found = std::ranges::find_if(stops_, is_it);
     return found == stops_.end() ? nullptr : &*found;
   }
   /// The same among those that rest, too.
   template <typename Predicate>
-  [[nodiscard]] Transmission* find_any(Predicate is_it) {
+  [[nodiscard]] Job* find_any(Predicate is_it) {
     const auto resting = std::ranges::find_if(resting_, is_it);
     return resting == resting_.end() ? find(is_it) : &*resting;
   }
@@ -77,9 +76,8 @@ class StopLane {
 
  private:
   using List = boost::intrusive::list<
-      Transmission,
-      boost::intrusive::member_hook<Transmission, boost::intrusive::list_member_hook<>,
-                                    &Transmission::stop_hook>>;
+      Job,
+      boost::intrusive::member_hook<Job, boost::intrusive::list_member_hook<>, &Job::stop_hook>>;
   List stops_;
   List resting_;  // by the end of their rest
 };
@@ -97,17 +95,19 @@ class AcknowledgedStops {
  public:
   /// The device acknowledged the stop. A broadcast, which nobody acknowledges, was sent.
   void note(const Transaction& stop, Instant now) {
-    std::erase_if(stops_, [&](const Stop& it) { return is_over(it, now) || is_same(it, stop); });
-    stops_.push_back({stop.address, stop.unit, stop.broadcast, stop.request.pdu(), now});
+    std::erase_if(stops_,
+                  [&](const Stop& it) { return is_over(it, now) || it.sent.is_like(stop); });
+    stops_.push_back({stop, now});
   }
   /// Something else may have happened to the device: a write was accepted, or a request failed.
   void forget(std::uint8_t address) {
-    std::erase_if(stops_,
-                  [&](const Stop& it) { return it.address == address || is_broadcast(it); });
+    std::erase_if(stops_, [&](const Stop& it) {
+      return it.sent.address == address || it.sent.is_broadcast();
+    });
   }
   /// A broadcast was accepted that stops a device; to others it may be an ordinary write.
   void forget_single() {
-    std::erase_if(stops_, [](const Stop& it) { return !is_broadcast(it); });
+    std::erase_if(stops_, [](const Stop& it) { return !it.sent.is_broadcast(); });
   }
   void forget_all() { stops_.clear(); }
   /// Would the stop only repeat what the devices have just done?
@@ -120,25 +120,17 @@ class AcknowledgedStops {
 
  private:
   struct Stop {
-    std::uint8_t address;
-    std::uint8_t unit;  ///< another one, where a server is one device under every unit
-    std::optional<drive::BroadcastForm> broadcast;
-    modbus::Pdu request;
+    Transaction sent;  ///< to another unit, where a server is one device under every unit
     Instant at;
   };
-  static bool is_broadcast(const Stop& stop) { return stop.broadcast.has_value(); }
   static bool is_over(const Stop& stop, Instant now) { return now >= stop.at + kStopCountsFor; }
-  static bool is_same(const Stop& stop, const Transaction& other) {
-    return stop.address == other.address && stop.unit == other.unit &&
-           stop.broadcast == other.broadcast && stop.request == other.request.pdu();
-  }
   [[nodiscard]] bool has(const Transaction& stop, Instant now) const {
     const auto counts = [&](const Stop& it) {
-      return it.address == stop.address && it.unit == stop.unit && !is_over(it, now);
+      return it.sent.address == stop.address && it.sent.unit == stop.unit && !is_over(it, now);
     };
     const auto different = static_cast<std::size_t>(std::ranges::count_if(stops_, counts));
     return different >= kMostDifferentStops || std::ranges::any_of(stops_, [&](const Stop& it) {
-             return counts(it) && is_same(it, stop);
+             return counts(it) && it.sent.is_like(stop);
            });
   }
 

@@ -89,7 +89,7 @@ class AsciiFramer {
   bool began_first_ = false;  // of all since expect()
   std::size_t taken_ = 0;     // characters since then
   modbus::AsciiBytes rest_;   // what came behind the response
-  UnsolicitedFrames<kMostUnsolicited> unsolicited_;
+  Untold<UnsolicitedFrame, kMostUnsolicited> unsolicited_;
 };
 
 }  // namespace mbgate::bus

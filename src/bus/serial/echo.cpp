@@ -107,7 +107,7 @@ Echo::Heard Echo::compare(modbus::Bytes bytes) {
   }
   seen_ = expected_.size();
   spoilt_ = true;
-  note_fault(faults_, LineFault::echo_differed);
+  faults_.add(LineFault::echo_differed);
   if (learns_) {
     state_ = State::unknown;  // the next read shows again what it is
   }
@@ -168,12 +168,12 @@ void Echo::find() {
   state_ = State::present;
   shown_ = true;
   lost_ = 0;
-  note_fault(faults_, LineFault::echo_found);
+  faults_.add(LineFault::echo_found);
 }
 
 void Echo::note_unproven() {
   if (!std::exchange(unproven_reported_, true)) {
-    note_fault(faults_, LineFault::echo_unproven);
+    faults_.add(LineFault::echo_unproven);
   }
 }
 
@@ -192,7 +192,7 @@ bool Echo::note_answered(const modbus::Pdu& response, bool came_first) {
   }
   state_ = State::absent;
   if (std::exchange(shown_, false)) {
-    note_fault(faults_, LineFault::echo_gone);
+    faults_.add(LineFault::echo_gone);
   }
   return true;
 }

@@ -15,24 +15,15 @@ namespace mbgate::bus {
 
 class LineSilence {
  public:
+  /// `settings` must outlive this object and always be those in force.
   explicit LineSilence(const BusSettings& settings)
-      : timing_(settings.line.baud, settings.line.format),
-        frame_gap_(settings.frame_gap.value_or(timing_.t3_5())),
-        turnaround_(settings.turnaround),
-        settle_(settings.settle) {}
-  /// Other times on the same line.
-  void update(const BusSettings& settings) {
-    frame_gap_ = settings.frame_gap.value_or(timing_.t3_5());
-    turnaround_ = settings.turnaround;
-    settle_ = settings.settle;
-    pause_ = frame_gap_;
-  }
+      : settings_(settings), timing_(settings.line.baud, settings.line.format) {}
 
   /// The line was opened: it is listened to until then.
   void open(Instant now, Instant listen_until) {
     quiet_since_ = now;
     busy_since_ = now;
-    pause_ = frame_gap_;
+    note_pause(Duration{0});
     emission_ends_ = now;
     listening_until_ = listen_until;
     settling_until_ = now;
@@ -43,21 +34,23 @@ class LineSilence {
     emission_ends_ = now + timing_.duration_of(bytes);
     quiet_since_ = emission_ends_;
     busy_since_ = emission_ends_;
-    pause_ = frame_gap_;
+    note_pause(Duration{0});
   }
   /// It is a broadcast: the turnaround delay follows it.
-  void note_broadcast() { turnaround_until_ = emission_ends_ + turnaround_; }
+  void note_broadcast() { turnaround_until_ = emission_ends_ + settings_.turnaround; }
   /// Bytes were read.
   void note_bytes(Instant now) {
-    if (now > quiet_since_ + frame_gap_) {
+    if (now > quiet_since_ + frame_gap()) {
       busy_since_ = now;
     }
     quiet_since_ = std::max(quiet_since_, now);
   }
   /// A frame has begun in what was read, and may pause for so long; 0: none has.
-  void note_pause(Duration longest) { pause_ = std::max(frame_gap_, longest); }
+  void note_pause(Duration longest) { pause_ = std::max(frame_gap(), longest); }
   /// A response is missing.
-  void note_unanswered(Instant now) { settling_until_ = std::max(settling_until_, now + settle_); }
+  void note_unanswered(Instant now) {
+    settling_until_ = std::max(settling_until_, now + settings_.settle);
+  }
 
   /// From when on the silence before a transmission suffices; `gap` is asked for on top of it.
   [[nodiscard]] Instant ready_at(Duration gap) const {
@@ -82,18 +75,17 @@ class LineSilence {
   [[nodiscard]] bool is_silent(Instant now) const { return now >= quiet_since_ + pause_; }
   [[nodiscard]] bool is_listening(Instant now) const { return now < listening_until_; }
   [[nodiscard]] bool is_in_turnaround(Instant now) const { return now < turnaround_until_; }
-  [[nodiscard]] Duration turnaround() const { return turnaround_; }
   /// How long the characters of the line take.
   [[nodiscard]] const modbus::RtuTiming& timing() const { return timing_; }
 
  private:
+  [[nodiscard]] Duration frame_gap() const { return settings_.frame_gap.value_or(timing_.t3_5()); }
+
+  const BusSettings& settings_;
   modbus::RtuTiming timing_;
-  Duration frame_gap_;
-  Duration pause_ = frame_gap_;  // behind the last byte: longer where a frame may go on
-  Duration turnaround_;
-  Duration settle_;
-  Instant quiet_since_;  // the last byte in either direction
-  Instant busy_since_;   // the first one after the last silence
+  Duration pause_ = frame_gap();  // behind the last byte: longer where a frame may go on
+  Instant quiet_since_;           // the last byte in either direction
+  Instant busy_since_;            // the first one after the last silence
   Instant settling_until_;
   Instant listening_until_;
   Instant turnaround_until_;

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "bus/instant.hpp"
-#include "bus/unsolicited.hpp"
+#include "bus/line_end.hpp"
 #include "modbus/bytes.hpp"
 #include "modbus/pdu.hpp"
 

@@ -140,7 +140,7 @@ class RtuFramer {
   FoundResponse found_;
   std::size_t noise_ = 0;
   CutFrame cut_;
-  UnsolicitedFrames<kMostUnsolicited> unsolicited_;
+  Untold<UnsolicitedFrame, kMostUnsolicited> unsolicited_;
 };
 
 }  // namespace mbgate::bus

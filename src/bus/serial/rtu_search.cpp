@@ -21,17 +21,14 @@ RtuFind incomplete_at(std::size_t at, bool silence) {
 
 }  // namespace
 
-// Were a bit of another client's request wrong, the answer to it would stand behind noise.
-std::size_t RtuSearch::most_noise() const {
-  return transaction_ == nullptr
-             ? kMostNoise
-             : std::min(kMostNoise, transaction_->request.pdu().size() + modbus::kRtuOverhead - 1);
-}
-
 // Nothing: no frame begins here, whatever may come.
 RtuFind RtuSearch::look(bool silence) const {
   Place place{.silence = silence};
-  const std::size_t most = most_noise();
+  // Were a bit of another client's request wrong, the answer to it would stand behind noise.
+  const std::size_t most =
+      transaction_ == nullptr
+          ? kMostNoise
+          : std::min(kMostNoise, transaction_->request.pdu().size() + modbus::kRtuOverhead - 1);
   for (; place.at < received_.size() && place.at <= most; ++place.at) {
     const RtuFind find = look_at(place);
     if (find.what == What::unfinished) {
@@ -67,16 +64,12 @@ bool RtuSearch::is_beginning_of_answer() const {
   return find.what != What::nothing && find.answer != Answer::bad_crc;
 }
 
-bool RtuSearch::begins_as_asked(modbus::Bytes bytes) const {
-  return transaction_ != nullptr && bytes.size() > 1 && bytes[0] == transaction_->address &&
-         (bytes[1] & ~modbus::kExceptionBit) == transaction_->request.function();
-}
-
 // Its function is right, and its byte count does not say already that it is no answer to what was
 // asked.
 bool RtuSearch::may_begin_answer(std::size_t at) const {
   const modbus::Bytes bytes = bytes_from(at);
-  if (!begins_as_asked(bytes)) {
+  if (transaction_ == nullptr || bytes.size() < 2 || bytes[0] != transaction_->address ||
+      (bytes[1] & ~modbus::kExceptionBit) != transaction_->request.function()) {
     return false;
   }
   const modbus::PduLength expected = modbus::expected_response_length(transaction_->request);

@@ -75,12 +75,10 @@ class RtuSearch {
     bool unfinished = false;  ///< another frame may have begun earlier
     bool silence = false;
   };
-  [[nodiscard]] std::size_t most_noise() const;
   [[nodiscard]] RtuFind look_at(const Place& place) const;
   [[nodiscard]] RtuFind look_at_candidate(const Place& place) const;
   [[nodiscard]] std::optional<RtuFind> look_at_echo(const Place& place, std::size_t size) const;
   [[nodiscard]] RtuFind look_at_stranger(const Place& place) const;
-  [[nodiscard]] bool begins_as_asked(modbus::Bytes bytes) const;
   [[nodiscard]] bool may_begin_answer(std::size_t at) const;
   [[nodiscard]] modbus::Bytes bytes_from(std::size_t at) const {
     return received_.bytes().subspan(at);

@@ -30,27 +30,25 @@ modbus::Pdu pdu_on_wire(const Transaction& transaction) {
 }  // namespace
 
 SerialDiscipline::SerialDiscipline(const BusSettings& settings, BusCounters& counters)
-    : silence_(settings),
-      paced_setting_(settings.line.paced),
+    : settings_(settings),
+      silence_(settings),
       counters_(counters),
-      slack_(settings.frame_slack_or_default()),
       echo_(settings.line.echo, counters, faults_),
       framer_(settings, silence_.timing(), counters) {}
 
 void SerialDiscipline::open(Instant now, LineKind kind, Instant listen_until) {
   abort();
   framer_.forget();
-  paced_ = paced_setting_.value_or(kind == LineKind::uart);
+  paced_ = settings_.line.paced.value_or(kind == LineKind::uart);
   echo_.open();
   unpaced_reported_ = is_answerless_ = false;
   unsent_ = 0;
   silence_.open(now, listen_until);
 }
 
-void SerialDiscipline::update(const BusSettings& settings) {
-  silence_.update(settings);
-  slack_ = settings.frame_slack_or_default();
-  framer_.update(settings);
+void SerialDiscipline::update() {
+  silence_.note_pause(Duration{0});
+  framer_.update(settings_);
 }
 
 FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::DeviceTiming& timing,
@@ -66,9 +64,8 @@ FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::Device
   owed_ = std::move(owed);
   misfit_ = may_be_echo_ = false;
   draining_ = false;
-  const Duration answer_time = transaction.boot_time
-                                   ? silence_.turnaround()
-                                   : timing.response_timeout + timing.response_wait;
+  const Duration answer_time =
+      transaction.boot_time ? settings_.turnaround : timing.response_timeout + timing.response_wait;
   is_answerless_ = transaction.is_broadcast() || transaction.may_stay_silent();
   response_due_ = silence_.emission_ends() + answer_time;
   response_deadline_ = response_due_;
@@ -97,7 +94,7 @@ bool SerialDiscipline::handle_looked(Instant now) {
   if (unsent_ == 0 || !is_over || now < silence_.emission_ends() + kDriverIsLate) {
     return false;
   }
-  note_fault(faults_, LineFault::driver_stalled);
+  faults_.add(LineFault::driver_stalled);
   return true;
 }
 
@@ -161,7 +158,7 @@ void SerialDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
     heard_ += bytes.size();
   }
   judge(framer_.add(bytes, now), now);
-  silence_.note_pause(framer_.is_amid_frame() ? slack_ : Duration{0});
+  silence_.note_pause(framer_.is_amid_frame() ? settings_.frame_slack_or_default() : Duration{0});
 }
 
 void SerialDiscipline::handle_deadline(Instant now) {
@@ -198,17 +195,6 @@ std::optional<Instant> SerialDiscipline::next_deadline() const {
   }
   const auto of_frame = framer_.next_deadline();
   return framer_.in_progress() ? of_frame : earlier(of_frame, response_deadline_);
-}
-
-std::optional<LineEnd> SerialDiscipline::take_end() { return std::exchange(end_, std::nullopt); }
-
-std::optional<LineFault> SerialDiscipline::take_fault() {
-  if (faults_.empty()) {
-    return std::nullopt;
-  }
-  const LineFault fault = faults_.front();
-  faults_.erase(faults_.begin());
-  return fault;
 }
 
 std::optional<UnsolicitedFrame> SerialDiscipline::take_unsolicited() {

@@ -14,6 +14,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 
 #include "bus/counters.hpp"
 #include "bus/job.hpp"
@@ -27,6 +28,7 @@ namespace mbgate::bus {
 
 class SerialDiscipline {
  public:
+  /// `settings` must outlive this object and always be those in force.
   SerialDiscipline(const BusSettings& settings, BusCounters& counters);
   SerialDiscipline(const SerialDiscipline&) = delete;  // its parts refer to each other
   SerialDiscipline& operator=(const SerialDiscipline&) = delete;
@@ -34,7 +36,7 @@ class SerialDiscipline {
   /// The line was opened: it is listened to until then, nothing of before counts any more.
   void open(Instant now, LineKind kind, Instant listen_until);
   /// Other times on the same line.
-  void update(const BusSettings& settings);
+  void update();
   /// When something may be sent.
   [[nodiscard]] const LineSilence& silence() const { return silence_; }
   /// Starts to transmit now; no other transaction may be running, and `transaction`, which gets the
@@ -64,9 +66,9 @@ class SerialDiscipline {
   void handle_deadline(Instant now);
   [[nodiscard]] std::optional<Instant> next_deadline() const;
   /// The end of the running transaction, once.
-  std::optional<LineEnd> take_end();
+  std::optional<LineEnd> take_end() { return std::exchange(end_, std::nullopt); }
   /// What was noticed of the line itself since the last call.
-  std::optional<LineFault> take_fault();
+  std::optional<LineFault> take_fault() { return faults_.take(); }
   /// A good frame that answers nothing that was asked, each once.
   std::optional<UnsolicitedFrame> take_unsolicited();
   [[nodiscard]] LineState state(Instant now) const;
@@ -80,23 +82,23 @@ class SerialDiscipline {
   void judge(Verdict verdict, Instant now);
   void end(LineEnd::How how);
 
+  const BusSettings& settings_;
   LineSilence silence_;
-  std::optional<bool> paced_setting_;
   bool paced_ = false;
   BusCounters& counters_;
   LineFaults faults_;
-  Duration slack_;
   Echo echo_;
   Framer framer_;
 
   Transaction* transaction_ = nullptr;
-  Instant response_due_;                         // the end of the response timeout
-  Instant response_deadline_;                    // the same, or earlier because a stop waits
-  Duration response_wait_{0};                    // the device holds its answer back for so long
-  OwedAnswers owed_;                             // those that may still come
-  bool misfit_ = false;                          // a frame came that answers nothing
-  bool may_be_echo_ = false;                     // one came that proves nothing
-  UnsolicitedFrames<kMostUnsolicited> refused_;  // of these, those that came, and were not told yet
+  Instant response_due_;       // the end of the response timeout
+  Instant response_deadline_;  // the same, or earlier because a stop waits
+  Duration response_wait_{0};  // the device holds its answer back for so long
+  OwedAnswers owed_;           // those that may still come
+  bool misfit_ = false;        // a frame came that answers nothing
+  bool may_be_echo_ = false;   // one came that proves nothing
+  Untold<UnsolicitedFrame, kMostUnsolicited>
+      refused_;            // of these, those that came, and were not told yet
   bool draining_ = false;  // what came last was no response: it must end first
   std::size_t heard_ = 0;  // bytes since the last own frame had left
   Instant heard_at_;       // the first of them

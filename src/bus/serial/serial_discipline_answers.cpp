@@ -71,7 +71,7 @@ Verdict SerialDiscipline::refuse(Instant now) {
   } else {
     ++counters_.unsolicited_frames;
     if (transaction_->request.is_read() && !std::exchange(unpaced_reported_, true)) {
-      note_fault(faults_, LineFault::answered_while_sending);
+      faults_.add(LineFault::answered_while_sending);
     }
   }
   return framer_.again(now);

@@ -32,17 +32,9 @@ bool begins_with(modbus::Bytes stream, std::uint16_t identifier) {
 
 void TcpDiscipline::open(Instant now, LineKind /*kind*/, Instant listen_until) {
   abort();
-  listening_until_ = check_transaction_ ? Instant::min() : listen_until;
+  listening_until_ = settings_.check_transaction ? Instant::min() : listen_until;
   quiet_since_ = now;
-  ready_first_at_ = now + connect_delay_;
-  use_.open();
-}
-
-void TcpDiscipline::update(const BusSettings& settings) {
-  check_unit_ = settings.check_unit;
-  check_transaction_ = settings.check_transaction;
-  replace_after_ = settings.replace_after;
-  connect_delay_ = settings.connect_delay;
+  ready_first_at_ = now + settings_.connect_delay;
 }
 
 void TcpDiscipline::limit_wait(const Transaction& transaction, Duration longest) {
@@ -62,7 +54,6 @@ FrameBytes TcpDiscipline::begin(Transaction& transaction, const drive::DeviceTim
   }
   owed_ = std::move(owed);
   quiet_since_ = now;
-  use_.note_asked(now);
   const modbus::MbapBytes adu =
       modbus::encode({{identifier, transaction.unit}, transaction.request.pdu()});
   return {adu.begin(), adu.end()};
@@ -80,14 +71,10 @@ void TcpDiscipline::abort() {
   use_.forget_unanswered();
 }
 
-TcpDiscipline::Flights::iterator TcpDiscipline::find(std::uint16_t identifier) {
-  return std::ranges::find(flights_, identifier, &Flight::identifier);
-}
-
 std::uint16_t TcpDiscipline::new_identifier() {
   do {
     ++last_identifier_;
-  } while (find(last_identifier_) != flights_.end());
+  } while (std::ranges::count(flights_, last_identifier_, &Flight::identifier) > 0);
   std::erase_if(asked_, [this](const Sent& it) { return it.identifier == last_identifier_; });
   return last_identifier_;
 }
@@ -128,7 +115,7 @@ bool TcpDiscipline::take_answer(Instant now) {
 void TcpDiscipline::skip_padding() {
   const auto begins = [this](std::uint16_t identifier) { return begins_with(stream_, identifier); };
   const auto may_be_answer = [&] {
-    return !check_transaction_ || std::ranges::any_of(asked_, begins, &Sent::identifier);
+    return !settings_.check_transaction || std::ranges::any_of(asked_, begins, &Sent::identifier);
   };
   while (padding_ > 0 && !stream_.empty() && !may_be_answer()) {
     stream_.erase(stream_.begin());
@@ -140,8 +127,8 @@ void TcpDiscipline::skip_padding() {
 
 void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
   const auto is_from = [&](std::uint16_t identifier, std::uint8_t unit) {
-    return (!check_unit_ || answer.header.unit == unit) &&
-           (!check_transaction_ || answer.header.transaction == identifier);
+    return (!settings_.check_unit || answer.header.unit == unit) &&
+           (!settings_.check_transaction || answer.header.transaction == identifier);
   };
   const auto flight = std::ranges::find_if(
       flights_, [&](const Flight& it) { return is_from(it.identifier, it.transaction->unit); });
@@ -169,10 +156,10 @@ void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
   const auto fit = modbus::check_response(transaction.request, answer.pdu.bytes());
   if (!is_fitting(fit)) {
     ++counters_.unsolicited_frames;
-    if (!check_transaction_) {
+    if (!settings_.check_transaction) {
       unsolicited_.add({transaction.address, answer.pdu, now});
     }
-    if (!check_transaction_ || fit == modbus::ResponseFit::wrong_function) {
+    if (!settings_.check_transaction || fit == modbus::ResponseFit::wrong_function) {
       return;
     }
   }
@@ -180,7 +167,7 @@ void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
   transaction.response = answer.pdu;
   ends_.push_back({is_fitting(fit) ? LineEnd::How::response : LineEnd::How::misfit, &transaction,
                    flight->due, now - flight->sent});
-  if (check_transaction_) {
+  if (settings_.check_transaction) {
     std::erase_if(asked_, [&](const Sent& it) { return it.identifier == flight->identifier; });
   }
   flights_.erase(flight);
@@ -200,7 +187,8 @@ void TcpDiscipline::handle_deadline(Instant now) {
   std::erase_if(flights_, [now](const Flight& flight) { return now >= flight.response_deadline; });
   // What belongs to a request that is still waited for has its time.
   const bool is_awaited =
-      stream_.size() > 1 && find(modbus::load_be16(stream_, 0)) != flights_.end();
+      stream_.size() > 1 &&
+      std::ranges::count(flights_, modbus::load_be16(stream_, 0), &Flight::identifier) > 0;
   const auto rest_by = stray_part_until();
   if ((is_timeout && !stream_.empty() && !is_awaited) || (rest_by && now >= *rest_by)) {
     counters_.stray_bytes += stream_.size();
@@ -208,13 +196,14 @@ void TcpDiscipline::handle_deadline(Instant now) {
       stream_.clear();
     }
     fault_ = LineFault::answer_cut_off;
-  } else if (const auto at = use_.replace_at(replace_after_); at && now >= *at) {
+  } else if (const auto at = use_.replace_at(settings_.replace_after); at && now >= *at) {
     fault_ = LineFault::unanswered;
   }
 }
 
 std::optional<Instant> TcpDiscipline::next_deadline() const {
-  std::optional<Instant> deadline = earlier(stray_part_until(), use_.replace_at(replace_after_));
+  std::optional<Instant> deadline =
+      earlier(stray_part_until(), use_.replace_at(settings_.replace_after));
   for (const Flight& flight : flights_) {
     deadline = earlier(deadline, flight.response_deadline);
   }
@@ -229,8 +218,6 @@ std::optional<LineEnd> TcpDiscipline::take_end() {
   ends_.pop_front();
   return end;
 }
-
-std::optional<LineFault> TcpDiscipline::take_fault() { return std::exchange(fault_, std::nullopt); }
 
 LineState TcpDiscipline::state(Instant /*now*/) const {
   return flights_.empty() ? LineState::idle : LineState::waiting_for_reply;

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <deque>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "bus/connection_use.hpp"
@@ -17,7 +18,6 @@
 #include "bus/job.hpp"
 #include "bus/line_end.hpp"
 #include "bus/settings.hpp"
-#include "bus/unsolicited.hpp"
 #include "modbus/mbap.hpp"
 
 namespace mbgate::bus {
@@ -27,9 +27,9 @@ inline constexpr std::size_t kMostAsked = 64;
 
 class TcpDiscipline {
  public:
-  TcpDiscipline(const BusSettings& settings, BusCounters& counters) : counters_(counters) {
-    update(settings);
-  }
+  /// `settings` must outlive this object and always be those in force.
+  TcpDiscipline(const BusSettings& settings, BusCounters& counters, ConnectionUse& use)
+      : settings_(settings), counters_(counters), use_(use) {}
 
   /// The connection is there, and new: nothing of before counts any more. Without identifiers it is
   /// listened to until then.
@@ -57,15 +57,13 @@ class TcpDiscipline {
   /// The end of the response timeout, without identifiers. With them no device owes anything to
   /// another connection.
   [[nodiscard]] std::optional<Instant> response_due() const {
-    return check_transaction_ || flights_.empty() ? std::nullopt : std::optional(flights_[0].due);
+    return settings_.check_transaction || flights_.empty() ? std::nullopt
+                                                           : std::optional(flights_[0].due);
   }
-  void update(const BusSettings& settings);
   /// A late answer, each once. Nobody else is heard on a connection.
   std::optional<UnsolicitedFrame> take_unsolicited() { return unsolicited_.take(); }
   /// Gives up all running transactions: nothing of them will be reported.
   void abort();
-  [[nodiscard]] const ConnectionUse& use() const { return use_; }
-  [[nodiscard]] ConnectionUse& use() { return use_; }
 
   void handle_bytes(modbus::Bytes bytes, Instant now);
   void handle_deadline(Instant now);
@@ -74,7 +72,7 @@ class TcpDiscipline {
   std::optional<LineEnd> take_end();
   /// Once: the connection is of no use, because its stream cannot be followed any further, or
   /// because nothing comes.
-  std::optional<LineFault> take_fault();
+  std::optional<LineFault> take_fault() { return std::exchange(fault_, std::nullopt); }
   [[nodiscard]] LineState state(Instant now) const;
 
  private:
@@ -92,14 +90,12 @@ class TcpDiscipline {
     std::uint8_t address;
     std::uint8_t unit;
   };
-  using Flights = std::vector<Flight>;
 
   /// By then the rest of a part that nobody waits for has come, or framing is lost.
   [[nodiscard]] std::optional<Instant> stray_part_until() const {
     const bool is_there = !stream_.empty() && padding_ == 0 && flights_.empty();
     return is_there ? std::optional(quiet_since_ + kNetworkSlack) : std::nullopt;
   }
-  Flights::iterator find(std::uint16_t identifier);
   std::uint16_t new_identifier();
   /// Takes one answer off the stream. False: there is no whole one, or framing is lost.
   bool take_answer(Instant now);
@@ -107,23 +103,20 @@ class TcpDiscipline {
   /// Drops bytes behind an exception that its length has promised and that begin no answer.
   void skip_padding();
 
-  bool check_unit_ = false;
-  bool check_transaction_ = true;
-  unsigned replace_after_ = 0;
-  Duration connect_delay_{0};
+  const BusSettings& settings_;
   Instant ready_first_at_ = Instant::min();  // of this connection
   BusCounters& counters_;
-  Flights flights_;
+  ConnectionUse& use_;
+  std::vector<Flight> flights_;
   OwedAnswers owed_;  // without identifiers: what may still come from the device
   Instant listening_until_ = Instant::min();
   std::uint16_t last_identifier_ = 0;
   std::vector<std::uint8_t> stream_;  // less than an answer, between calls
   std::size_t padding_ = 0;           // so many bytes that are no answer may come next
   Instant quiet_since_;               // the last byte in either direction
-  ConnectionUse use_;
   std::deque<LineEnd> ends_;
   std::deque<Sent> asked_;  // the newest kMostAsked
-  UnsolicitedFrames<kMostAsked> unsolicited_;
+  Untold<UnsolicitedFrame, kMostAsked> unsolicited_;
   std::optional<LineFault> fault_;
 };
 

@@ -56,15 +56,15 @@ bool Dispatch::carry_out(const Next& next, Instant now) {
       if (!has_looked()) {
         return false;
       }
-      next.stop != nullptr ? begin(*next.stop, now) : begin(*next.job, now);
+      begin(*next.job, now);
       return true;
     case Next::Step::cancel:
-      parts_.stops.remove(*next.stop);
-      ends_.finish(*next.stop, Ending::cancelled);
+      parts_.stops.remove(*next.job);
+      ends_.finish(*next.job, Ending::cancelled);
       return true;
     case Next::Step::give_up:
-      parts_.stops.remove(*next.stop);
-      outcomes_.give_up_stop(*next.stop, now);
+      parts_.stops.remove(*next.job);
+      outcomes_.give_up_stop(*next.job, now);
       return true;
   }
   return false;
@@ -81,23 +81,20 @@ bool Dispatch::has_looked() {
 }
 
 void Dispatch::begin(Job& job, Instant now) {
-  if (job.is_waiting()) {
+  if (job.is_stop()) {
+    if (parts_.line.ready_for_stop_at() > now) {
+      diagnosis_.notify(DeviceNotice::Kind::stop_forced, job.address());
+    }
+    parts_.stops.remove(job);
+    parts_.transmissions.start(job);
+  } else if (job.is_waiting()) {
     if (!parts_.devices[job.address()].health.is_offline()) {
       diagnosis_.load().note_wait(waited_for_line(parts_, job, now), now);
     }
     parts_.queue.take(job);
-    parts_.transmissions.start(parts_.transmissions.lead(job));
+    parts_.transmissions.start(job);
   }
-  transmit(*job.leads, now);
-}
-
-void Dispatch::begin(Transmission& stop, Instant now) {
-  if (parts_.line.ready_for_stop_at() > now) {
-    diagnosis_.notify(DeviceNotice::Kind::stop_forced, stop.leader->address());
-  }
-  parts_.stops.remove(stop);
-  parts_.transmissions.start(stop);
-  transmit(stop, now);
+  transmit(job, now);
 }
 
 // Only between transmissions, so that nothing on the wire is cut; what waits, and what is repeated,
@@ -135,16 +132,16 @@ void Dispatch::wait_for_line(Instant now) {
     return;
   }
   // Of the time for which a stop has waited, that counts in which the line was not open.
-  const auto deadline_of = [&](const Transmission& stop) {
-    return std::max(stop.waits_since, parts_.link.left_at()) + stop_deadline(parts_.settings);
+  const auto deadline_of = [&](const Job& stop) {
+    return std::max(stop.sent.waits_since, parts_.link.left_at()) + stop_deadline(parts_.settings);
   };
-  while (Transmission* stop = parts_.stops.find([&](const Transmission& it) {
+  while (Job* stop = parts_.stops.find([&](const Job& it) {
     return (parts_.stopping && parts_.link.is_closed()) || now >= deadline_of(it);
   })) {
     parts_.stops.remove(*stop);
     ends_.finish(*stop, Ending::closed);
   }
-  parts_.stops.visit([&](const Transmission& stop) { wait_for(wake_at(deadline_of(stop))); });
+  parts_.stops.visit([&](const Job& stop) { wait_for(wake_at(deadline_of(stop))); });
   if (!parts_.stops.empty()) {
     parts_.link.hurry(parts_.settings, now);
   }
@@ -152,17 +149,17 @@ void Dispatch::wait_for_line(Instant now) {
 
 void Dispatch::watch_deadlines(Instant now) {
   wait_for(wake_at(parts_.stops.next_wake()));
-  parts_.stops.visit([&](const Transmission& stop) {
+  parts_.stops.visit([&](const Job& stop) {
     if (const Instant held = held_until(parts_, stop); held > now) {
       wait_for(wake_at(held));
     }
   });
-  for (const Transmission* running : parts_.transmissions.running()) {
-    if (running->in_flight || running->is_stop()) {
+  for (const Job* running : parts_.transmissions.running()) {
+    if (running->sent.in_flight || running->is_stop()) {
       continue;
     }
-    wait_for(wake_at(running->ends_at(*running->leader)));
-    for (const Job* follower : running->followers) {
+    wait_for(wake_at(running->ends_at(*running)));
+    for (const Job* follower : running->sent.followers) {
       wait_for(wake_at(running->ends_at(*follower)));
     }
   }
@@ -173,11 +170,11 @@ void Dispatch::go_on_with_stops(Instant now) {
   const auto next_part = [this] {
     const auto running = parts_.transmissions.running();
     const auto found = std::ranges::find_if(
-        running, [](const Transmission* it) { return it->is_stop() && !it->in_flight; });
+        running, [](const Job* it) { return it->is_stop() && !it->sent.in_flight; });
     return found == running.end() ? nullptr : *found;
   };
-  while (Transmission* stop = next_part()) {
-    stop->waits_since = now;
+  while (Job* stop = next_part()) {
+    stop->sent.waits_since = now;
     parts_.transmissions.leave(*stop);
     parts_.stops.push_front(*stop);
   }
@@ -185,10 +182,10 @@ void Dispatch::go_on_with_stops(Instant now) {
 
 // What is in the way of a stop has its time for an answer, and no more.
 void Dispatch::limit_waits(Instant now) {
-  parts_.stops.visit([&](const Transmission& stop) {
-    const Transmission* other = in_the_way_of(parts_, *stop.leader);
+  parts_.stops.visit([&](const Job& stop) {
+    const Job* other = in_the_way_of(parts_, stop);
     if (other != nullptr && may_cut(parts_, stop, now)) {
-      parts_.line.limit_wait(other->on_wire(), time_before_stop(parts_, other->on_wire()));
+      parts_.line.limit_wait(other->transaction(), time_before_stop(parts_, other->transaction()));
     }
   });
 }

@@ -47,15 +47,13 @@ class Dispatch {
   void limit_waits(Instant now);
   bool carry_out(const Next& next, Instant now);
   void begin(Job& job, Instant now);
-  void begin(Transmission& stop, Instant now);
 
   // dispatch_transmit.cpp: it goes on the wire
-  void transmit(Transmission& transmission, Instant now);
-  void skip_known_settings(Transmission& transmission) const;
-  void check_allowed(const Transmission& transmission, Instant now) const;
-  bool note_asked(const Transmission& transmission, Instant now);
+  void transmit(Job& job, Instant now);
+  void check_allowed(const Job& job, Instant now) const;
+  bool note_asked(const Job& job, Instant now);
   void note_changing(const Transaction& sent);
-  drive::DeviceTiming note_transmission(Transmission& transmission, Instant now);
+  drive::DeviceTiming note_transmission(Job& job, Instant now);
 
   Parts& parts_;
   JobEnds& ends_;

@@ -36,29 +36,28 @@ void JobEnds::release(Job& job) {
     return;
   }
   if (job.job_class != JobClass::read) {
-    parts_.devices.end_write(job);
+    parts_.devices.note_write(job, &ReadCache::end_write);
   }
   parts_.probes.note_released(job, parts_.pumped_at);
 }
 
-void JobEnds::finish(Transmission& transmission, Ending ending) {
-  Job& leader = *transmission.leader;
-  for (Job* follower : transmission.followers) {
-    if (transmission.is_stop()) {
-      follower->transactions = leader.transactions;
-      follower->current = leader.current;
+void JobEnds::finish(Job& job, Ending ending) {
+  for (Job* follower : job.sent.followers) {
+    if (job.is_stop()) {
+      follower->transactions = job.transactions;
+      follower->current = job.current;
     }
     end(*follower, ending);
   }
-  transmission.followers.clear();
-  parts_.transmissions.end(transmission);
-  end(leader, ending);
+  job.sent.followers.clear();
+  parts_.transmissions.end(job);
+  end(job, ending);
 }
 
-void JobEnds::advance(Transmission& transmission, Ending ending) {
-  transmission.tries = 0;
-  if (++transmission.leader->current == transmission.leader->transactions.size()) {
-    finish(transmission, ending);
+void JobEnds::advance(Job& job, Ending ending) {
+  job.sent.tries = 0;
+  if (++job.current == job.transactions.size()) {
+    finish(job, ending);
   }
 }
 
@@ -72,9 +71,8 @@ void JobEnds::expire(Instant now) {
 }
 
 // How a job ends of which nothing more is to be transmitted.
-std::optional<Ending> JobEnds::over(const Job& job, const Transmission& running,
-                                    Instant now) const {
-  if (job.job_class == JobClass::stop) {
+std::optional<Ending> JobEnds::over(const Job& job, const Job& running, Instant now) const {
+  if (job.is_stop()) {
     return std::nullopt;
   }
   if (job.abandoned || job.overtaken || parts_.stopping) {
@@ -86,10 +84,10 @@ std::optional<Ending> JobEnds::over(const Job& job, const Transmission& running,
   return now >= running.ends_at(job) ? std::optional(Ending::expired) : std::nullopt;
 }
 
-void JobEnds::drop_followers(Transmission& transmission, Instant now) {
-  auto& followers = transmission.followers;
+void JobEnds::drop_followers(Job& job, Instant now) {
+  auto& followers = job.sent.followers;
   const auto dropped = std::ranges::remove_if(followers, [&](Job* follower) {
-    const auto ending = over(*follower, transmission, now);
+    const auto ending = over(*follower, job, now);
     if (ending) {
       parts_.counters.expired += *ending == Ending::expired ? 1U : 0U;
       end(*follower, *ending);
@@ -100,25 +98,24 @@ void JobEnds::drop_followers(Transmission& transmission, Instant now) {
 }
 
 void JobEnds::end_over(Instant now) {
-  const auto& transmissions = parts_.transmissions;
+  Transmissions& transmissions = parts_.transmissions;
   for (std::size_t at = 0; at < transmissions.running().size();) {
-    Transmission& running = *transmissions.running()[at];
-    if (running.in_flight) {
+    Job& leader = *transmissions.running()[at];
+    if (leader.sent.in_flight) {
       ++at;
       continue;
     }
-    drop_followers(running, now);
-    Job& leader = *running.leader;
-    const auto ending = over(leader, running, now);
+    drop_followers(leader, now);
+    const auto ending = over(leader, leader, now);
     if (!ending) {
       ++at;
       continue;
     }
     parts_.counters.expired += *ending == Ending::expired ? 1U : 0U;
-    if (running.followers.empty()) {
-      finish(running, *ending);
+    if (leader.sent.followers.empty()) {
+      finish(leader, *ending);
     } else {
-      Transmissions::hand_over(running);  // others still want what the leader asked for
+      transmissions.hand_over(leader);  // others still want what the leader asked for
       end(leader, *ending);
     }
   }
@@ -135,11 +132,11 @@ void JobEnds::end_waiting(Ending ending, Instant stops_since) {
     parts_.queue.remove(*job);
     end(*job, ending);
   }
-  const auto is_over = [&](const Transmission& it) { return it.waits_since <= stops_since; };
+  const auto is_over = [&](const Job& it) { return it.sent.waits_since <= stops_since; };
   if (parts_.stops.find_any(is_over) != nullptr) {
     parts_.stops.wake(Instant::max());
   }
-  while (Transmission* stop = parts_.stops.find_any(is_over)) {
+  while (Job* stop = parts_.stops.find_any(is_over)) {
     parts_.stops.remove(*stop);
     finish(*stop, ending);
   }
@@ -168,27 +165,21 @@ void JobEnds::end_waiting_for(std::uint8_t address) {
 
 void JobEnds::end_repeats() {
   const auto running = parts_.transmissions.running();
-  for (Transmission* repeated : std::vector(running.begin(), running.end())) {
-    const Job& job = *repeated->leader;
-    const bool repeats_write = is_write(job.job_class) && !repeated->in_flight &&
-                               repeated->tries > 0 && !job.transaction().request.is_read();
-    if (repeats_write && !parts_.devices[job.transaction().address].in_force().retry_writes) {
-      finish(*repeated, Ending::no_answer);
+  for (Job* job : std::vector(running.begin(), running.end())) {
+    const bool repeats_write = is_write(job->job_class) && !job->sent.in_flight &&
+                               job->sent.tries > 0 && !job->transaction().request.is_read();
+    if (repeats_write && !parts_.devices[job->transaction().address].in_force().retry_writes) {
+      finish(*job, Ending::no_answer);
     }
   }
 }
 
-template <typename Predicate>
-void JobEnds::overtake(Predicate is_overtaken) {
-  end_queued(is_overtaken, Ending::cancelled, parts_.counters.overtaken_writes);
-  for (const Transmission* running : parts_.transmissions.running()) {
-    Job& job = *running->leader;
-    job.overtaken = job.overtaken || is_overtaken(job);
-  }
-}
-
 void JobEnds::overtake_writes(const Job& stop) {
-  overtake([&](const Job& job) { return is_stopped_by(parts_, stop, job); });
+  const auto is_overtaken = [&](const Job& job) { return is_stopped_by(parts_, stop, job); };
+  end_queued(is_overtaken, Ending::cancelled, parts_.counters.overtaken_writes);
+  for (Job* running : parts_.transmissions.running()) {
+    running->overtaken = running->overtaken || is_overtaken(*running);
+  }
 }
 
 }  // namespace mbgate::bus

@@ -17,10 +17,10 @@ class JobEnds {
   void release(Job& job);
   /// A transmission is over: ends the jobs that share it, then its leader. Jobs that share a stop
   /// get its responses.
-  void finish(Transmission& transmission, Ending ending);
+  void finish(Job& job, Ending ending);
   /// The current transaction is over: the next one follows or, if none is left, the transmission is
   /// finished with `ending`.
-  void advance(Transmission& transmission, Ending ending);
+  void advance(Job& job, Ending ending);
 
   /// Ends waiting jobs whose deadline has passed.
   void expire(Instant now);
@@ -40,11 +40,8 @@ class JobEnds {
  private:
   template <typename Predicate>
   void end_queued(Predicate is_one, Ending ending, std::uint64_t& count);
-  template <typename Predicate>
-  void overtake(Predicate is_overtaken);
-  [[nodiscard]] std::optional<Ending> over(const Job& job, const Transmission& running,
-                                           Instant now) const;
-  void drop_followers(Transmission& transmission, Instant now);
+  [[nodiscard]] std::optional<Ending> over(const Job& job, const Job& running, Instant now) const;
+  void drop_followers(Job& job, Instant now);
 
   Parts& parts_;
 };

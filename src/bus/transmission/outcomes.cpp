@@ -25,69 +25,67 @@ bool is_still_asked(const drive::Device& device, const Transaction& question) {
          read->range.first == told->address;
 }
 
-Hold::Sent sent_of(const Transmission& it, const drive::Device& device, Instant due,
+Hold::Sent sent_of(const Job& it, const drive::Device& device, Instant due,
                    bool may_be_answered = false) {
-  const modbus::Request& asked = it.on_wire().request;
+  const modbus::Request& asked = it.transaction().request;
   const bool is_slow = device.timing_of(asked).response_timeout > device.timing.response_timeout;
-  return {asked, it.last_sent, due, it.tries > 1, may_be_answered, it.is_probe, is_slow};
+  return {asked,           it.sent.last_at,  due,    it.sent.tries > 1,
+          may_be_answered, it.sent.is_probe, is_slow};
 }
 
 // For a stop: it is neither answered nor unanswered. Stops that cut each other short are.
-bool is_cut(const Transmission& transmission, const LineEnd& end, Instant now) {
-  return end.how == LineEnd::How::no_response && now + transmission.hurried_by < end.due &&
-         !transmission.is_stop();
+bool is_cut(const Job& job, const LineEnd& end, Instant now) {
+  return end.how == LineEnd::How::no_response && now + job.sent.hurried_by < end.due &&
+         !job.is_stop();
 }
 
-LineEnd::How how_to_count(const Parts& parts, const Transmission& transmission, const LineEnd& end,
-                          Instant now) {
-  const auto& response = transmission.on_wire().response;
+LineEnd::How how_to_count(const Parts& parts, const Job& job, const LineEnd& end, Instant now) {
+  const auto& response = job.transaction().response;
   if (end.how == LineEnd::How::response && parts.is_unreached(*response)) {
     return LineEnd::How::no_response;
   }
-  return is_cut(transmission, end, now) ? LineEnd::How::sent : end.how;
+  return is_cut(job, end, now) ? LineEnd::How::sent : end.how;
 }
 
 }  // namespace
 
 void Outcomes::handle_end(LineEnd end, Instant now) {
-  Transmission& transmission = parts_.transmissions.find(end.transaction);
-  end.due += transmission.hurried_by;  // its answer may still come as late as any other
-  transmission.in_flight = false;
+  Job& job = parts_.transmissions.find(end.transaction);
+  end.due += job.sent.hurried_by;  // its answer may still come as late as any other
+  job.sent.in_flight = false;
   parts_.last_sent.note_end(now);
   const Transaction& sent = *end.transaction;
-  const Asked asked{sent.address,
-                    sent.request.is_read(),
-                    !sent.is_broadcast() && !sent.may_stay_silent(),
-                    transmission.tries == 1,
-                    transmission.last_sent,
-                    how_to_count(parts_, transmission, end, now)};
+  const Asked asked{
+      sent.address,        sent.request.is_read(), !sent.is_broadcast() && !sent.may_stay_silent(),
+      job.sent.tries == 1, job.sent.last_at,       how_to_count(parts_, job, end, now)};
   DeviceEntry& entry = parts_.devices[asked.address];
   entry.counters.noise_bytes += end.noise;
   if (parts_.is_traced) {
-    TransmissionOver over = over_of(transmission, end);
+    TransmissionOver over{title_of(job), end.how, sent.may_stay_silent(),
+                          end.how == LineEnd::How::response ? sent.response : std::nullopt};
     if (end.how == LineEnd::How::no_response && asked.wants_answer && parts_.quarantines()) {
       over.held_until = entry.hold.end_of_tail(end.due, entry.in_force());
     }
     parts_.actions.push(std::move(over));
   }
   switch (end.how) {
-    case LineEnd::How::response: handle_response(transmission, end, now); break;
+    case LineEnd::How::response: handle_response(job, end, now); break;
     case LineEnd::How::sent:
       parts_.devices.hold_booting(sent, now);
-      note_stopped(transmission, now);
-      ends_.advance(transmission, Ending::transmitted);
+      note_stopped(job, now);
+      ends_.advance(job, Ending::transmitted);
       break;
-    case LineEnd::How::no_response: handle_silence(transmission, end, now); break;
+    case LineEnd::How::no_response: handle_silence(job, end, now); break;
     case LineEnd::How::misfit:
       // On a connection the frame is known, and so is the request that it answers.
-      if (sent.response && !transmission.is_stop() &&
+      if (sent.response && !job.is_stop() &&
           entry.device->takes_limited(sent.request, sent.response->bytes())) {
-        handle_response(transmission, end, now);
+        handle_response(job, end, now);
         break;
       }
       end.transaction->response.reset();
       [[fallthrough]];
-    case LineEnd::How::damaged: handle_unreadable(transmission, end, now); break;
+    case LineEnd::How::damaged: handle_unreadable(job, end, now); break;
   }
   if (!sent.is_broadcast()) {
     entry.hold_after(sent.request, now);
@@ -100,8 +98,8 @@ void Outcomes::handle_end(LineEnd end, Instant now) {
   diagnosis_.note_ended(asked, end, now);
 }
 
-void Outcomes::take_response(Transmission& transmission, const LineEnd& end, Instant now) {
-  const Transaction& asked = transmission.on_wire();
+void Outcomes::take_response(Job& job, const LineEnd& end, Instant now) {
+  const Transaction& asked = job.transaction();
   const modbus::Pdu& response = *asked.response;
   DeviceEntry& entry = parts_.devices[asked.address];
   MBGATE_ASSERT(is_fitting(modbus::check_response(asked.request, response.bytes())) ||
@@ -122,7 +120,7 @@ void Outcomes::take_response(Transmission& transmission, const LineEnd& end, Ins
     }
   }
   if (parts_.is_unreached(response)) {
-    note_unreached(transmission, now);
+    note_unreached(job, now);
     return;
   }
   if (end.shows_no_echo) {
@@ -130,48 +128,47 @@ void Outcomes::take_response(Transmission& transmission, const LineEnd& end, Ins
   }
   entry.note_heard();
   entry.unreached.reset();
-  entry.hold.note_answered(sent_of(transmission, *entry.device, end.due), response.bytes(),
-                           end.took, now, entry.in_force());
+  entry.hold.note_answered(sent_of(job, *entry.device, end.due), response.bytes(), end.took, now,
+                           entry.in_force());
   parts_.payback.note_answered(asked.address, now);
-  entry.health.note_answered(transmission.last_sent);
+  entry.health.note_answered(job.sent.last_at);
   diagnosis_.note_heard(asked.address, now);
-  diagnosis_.note_times(transmission, end, now);
+  diagnosis_.note_times(job, end, now);
 }
 
-void Outcomes::handle_response(Transmission& transmission, const LineEnd& end, Instant now) {
-  const Transaction& asked = transmission.on_wire();
+void Outcomes::handle_response(Job& job, const LineEnd& end, Instant now) {
+  const Transaction& asked = job.transaction();
   const modbus::Pdu& response = *asked.response;
   DeviceEntry& entry = parts_.devices[asked.address];
   const bool exception = response.is_exception();
-  take_response(transmission, end, now);
-  transmission.is_probe = false;
-  const Job& leader = *transmission.leader;
-  if (leader.is_single_read()) {
-    for (Job* follower : transmission.followers) {
+  take_response(job, end, now);
+  job.sent.is_probe = false;
+  if (job.is_single_read()) {
+    for (Job* follower : job.sent.followers) {
       follower->transaction().response = response;
       follower->current = follower->transactions.size();
       ++parts_.counters.shared_reads;
     }
   }
-  const Transaction& own = leader.transaction();
+  const Transaction& own = job.transaction();
   if (own.must_hold != nullptr && !holds_what_it_must(own)) {
-    ends_.finish(transmission, Ending::mismatched);
+    ends_.finish(job, Ending::mismatched);
     return;
   }
-  if (exception && !(transmission.is_stop() && entry.device->has_accepted(response))) {
+  if (exception && !(job.is_stop() && entry.device->has_accepted(response))) {
     parts_.acknowledged.forget(asked.address);
-    if (!transmission.is_stop() || !repeat_refused(transmission, now)) {
-      ends_.finish(transmission, Ending::answered);
+    if (!job.is_stop() || !repeat_refused(job, now)) {
+      ends_.finish(job, Ending::answered);
     }
     return;
   }
   if (!asked.request.is_read()) {
     entry.failed_stop.reset();
   }
-  note_stopped(transmission, now);
+  note_stopped(job, now);
   entry.hold_booting(own.boot_time, now);  // though it has answered before
-  remember(leader, transmission);
-  ends_.advance(transmission, Ending::answered);
+  remember(job);
+  ends_.advance(job, Ending::answered);
 }
 
 // Other settings, which came meanwhile, may expect the question's register to hold something else,
@@ -188,35 +185,35 @@ bool Outcomes::holds_what_it_must(const Transaction& question) {
   return holds;
 }
 
-void Outcomes::handle_silence(Transmission& transmission, const LineEnd& end, Instant now) {
-  const Transaction& sent = transmission.on_wire();
+void Outcomes::handle_silence(Job& job, const LineEnd& end, Instant now) {
+  const Transaction& sent = job.transaction();
   DeviceEntry& entry = parts_.devices[sent.address];
   entry.setting_known = false;
   entry.cache.clear();
   entry.unreached.reset();
   if (sent.may_stay_silent()) {
-    parts_.probes.note_unanswered(transmission, now);
+    parts_.probes.note_unanswered(job, now);
     entry.hold_booting(sent.boot_time, now);
-    ends_.advance(transmission, Ending::transmitted);
+    ends_.advance(job, Ending::transmitted);
     return;
   }
   ++parts_.counters.timeouts;
   ++entry.counters.timeouts;
-  entry.hold.note_unanswered(sent_of(transmission, *entry.device, end.due, end.may_be_echo));
-  entry.stop_unanswered = entry.stop_unanswered || transmission.is_stop();
+  entry.hold.note_unanswered(sent_of(job, *entry.device, end.due, end.may_be_echo));
+  entry.stop_unanswered = entry.stop_unanswered || job.is_stop();
   // A probe that has brought an answer is not unanswered, though that may be another one's.
-  if (is_cut(transmission, end, now) || (transmission.is_probe && !entry.health.is_offline())) {
-    parts_.probes.note_unanswered(transmission, now);
+  if (is_cut(job, end, now) || (job.sent.is_probe && !entry.health.is_offline())) {
+    parts_.probes.note_unanswered(job, now);
   } else if (!end.may_be_echo) {
-    note_unanswered(transmission, end.due, now);
+    note_unanswered(job, end.due, now);
   }
-  handle_failure(transmission, now);
+  handle_failure(job, now);
 }
 
-void Outcomes::handle_unreadable(Transmission& transmission, const LineEnd& end, Instant now) {
-  const Transaction& sent = transmission.on_wire();
+void Outcomes::handle_unreadable(Job& job, const LineEnd& end, Instant now) {
+  const Transaction& sent = job.transaction();
   DeviceEntry& entry = parts_.devices[sent.address];
-  entry.hold.note_unanswered(sent_of(transmission, *entry.device, end.due), true);
+  entry.hold.note_unanswered(sent_of(job, *entry.device, end.due), true);
   if (end.how == LineEnd::How::damaged) {
     ++parts_.counters.bad_crcs;
     ++entry.counters.bad_crcs;
@@ -229,44 +226,44 @@ void Outcomes::handle_unreadable(Transmission& transmission, const LineEnd& end,
   }
   entry.note_heard();
   entry.hold_booting(sent.boot_time, now);  // it may have carried out what it was told
-  parts_.probes.note_unanswered(transmission, now);
-  handle_failure(transmission, now);
+  parts_.probes.note_unanswered(job, now);
+  handle_failure(job, now);
 }
 
-void Outcomes::handle_failure(Transmission& transmission, Instant now) {
-  parts_.acknowledged.forget(transmission.on_wire().address);
-  const DeviceEntry& entry = parts_.devices[transmission.on_wire().address];
-  if (transmission.is_stop()) {
-    handle_stop_failure(transmission, now);
+void Outcomes::handle_failure(Job& job, Instant now) {
+  parts_.acknowledged.forget(job.transaction().address);
+  const DeviceEntry& entry = parts_.devices[job.transaction().address];
+  if (job.is_stop()) {
+    handle_stop_failure(job, now);
     return;
   }
-  const Transaction& own = transmission.leader->transaction();
+  const Transaction& own = job.transaction();
   const bool may_repeat =
       (own.request.is_read() || entry.in_force().retry_writes) && !entry.health.is_offline();
-  if (may_repeat && transmission.tries <= entry.in_force().retries) {
+  if (may_repeat && job.sent.tries <= entry.in_force().retries) {
     return;
   }
-  ends_.finish(transmission, Ending::no_answer);
+  ends_.finish(job, Ending::no_answer);
 }
 
 // What was read may answer the next one that asks, where the device allows it.
-void Outcomes::remember(const Job& job, const Transmission& transmission) {
+void Outcomes::remember(const Job& job) {
   const Transaction& transaction = job.transaction();
   DeviceEntry& entry = parts_.devices[transaction.address];
   if (job.is_single_read() && entry.device->cache > Duration{0} &&
       ReadCache::can_hold(transaction.request) && !transaction.response->is_exception()) {
-    entry.cache.put(transaction.request, *transaction.response, transmission.transmitted_at,
-                    transmission.writes_before);
+    entry.cache.put(transaction.request, *transaction.response, job.sent.first_at,
+                    job.sent.writes_before);
   }
 }
 
 void Outcomes::note_lost() {
   const auto due = parts_.line.response_due();
-  for (const Transmission* running : parts_.transmissions.running()) {
-    const Transaction& sent = running->on_wire();
-    if (due && running->in_flight && !sent.is_broadcast() && !sent.may_stay_silent()) {
+  for (const Job* running : parts_.transmissions.running()) {
+    const Transaction& sent = running->transaction();
+    if (due && running->sent.in_flight && !sent.is_broadcast() && !sent.may_stay_silent()) {
       DeviceEntry& entry = parts_.devices[sent.address];
-      entry.hold.note_unanswered(sent_of(*running, *entry.device, *due + running->hurried_by));
+      entry.hold.note_unanswered(sent_of(*running, *entry.device, *due + running->sent.hurried_by));
     }
   }
 }

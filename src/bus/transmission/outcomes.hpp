@@ -28,22 +28,22 @@ class Outcomes {
   /// The line is lost: devices may still answer what was on the wire.
   void note_lost();
   /// The stop has had all its tries.
-  void give_up_stop(Transmission& stop, Instant now);
+  void give_up_stop(Job& stop, Instant now);
 
  private:
-  void take_response(Transmission& transmission, const LineEnd& end, Instant now);
-  void handle_response(Transmission& transmission, const LineEnd& end, Instant now);
-  void note_unreached(Transmission& transmission, Instant now);
-  void note_unanswered(Transmission& transmission, Instant due, Instant now);
+  void take_response(Job& job, const LineEnd& end, Instant now);
+  void handle_response(Job& job, const LineEnd& end, Instant now);
+  void note_unreached(Job& job, Instant now);
+  void note_unanswered(Job& job, Instant due, Instant now);
   [[nodiscard]] bool holds_what_it_must(const Transaction& question);
-  void note_stopped(const Transmission& transmission, Instant now);
-  void handle_silence(Transmission& transmission, const LineEnd& end, Instant now);
-  void handle_unreadable(Transmission& transmission, const LineEnd& end, Instant now);
-  void handle_failure(Transmission& transmission, Instant now);
-  void handle_stop_failure(Transmission& stop, Instant now);
-  bool repeat_refused(Transmission& stop, Instant now);
-  void part_from_untried(Transmission& stop);
-  void remember(const Job& job, const Transmission& transmission);
+  void note_stopped(const Job& job, Instant now);
+  void handle_silence(Job& job, const LineEnd& end, Instant now);
+  void handle_unreadable(Job& job, const LineEnd& end, Instant now);
+  void handle_failure(Job& job, Instant now);
+  void handle_stop_failure(Job& stop, Instant now);
+  bool repeat_refused(Job& stop, Instant now);
+  void part_from_untried(Job& stop);
+  void remember(const Job& job);
 
   Parts& parts_;
   JobEnds& ends_;

@@ -22,56 +22,55 @@ unsigned offline_after(const DeviceEntry& entry) {
   return entry.is_unknown() ? std::min(usual, 1U) : usual;
 }
 
-bool may_be_tried_again(const Transmission& stop, const DeviceEntry& entry) {
-  return !stop.is_abandoned() && stop.tries <= entry.in_force().stop_retries;
+bool may_be_tried_again(const Job& stop, const DeviceEntry& entry) {
+  return !stop.is_abandoned() && stop.sent.tries <= entry.in_force().stop_retries;
 }
 
 }  // namespace
 
 // Nothing came from the device; what is owed on a connection holds nothing.
-void Outcomes::note_unreached(Transmission& transmission, Instant now) {
-  const Transaction& sent = transmission.on_wire();
+void Outcomes::note_unreached(Job& job, Instant now) {
+  const Transaction& sent = job.transaction();
   DeviceEntry& entry = parts_.devices[sent.address];
   entry.setting_known = false;
   entry.cache.clear();
   entry.unreached = sent.response->bytes()[1];
-  note_unanswered(transmission, now, now);
+  note_unanswered(job, now, now);
 }
 
-void Outcomes::note_unanswered(Transmission& transmission, Instant due, Instant now) {
-  const std::uint8_t address = transmission.on_wire().address;
+void Outcomes::note_unanswered(Job& job, Instant due, Instant now) {
+  const std::uint8_t address = job.transaction().address;
   DeviceEntry& entry = parts_.devices[address];
-  parts_.payback.note_lost(transmission.last_sent, now);
-  parts_.probes.note_unanswered(transmission, now);
-  if (entry.health.note_unanswered(transmission.last_sent, due, offline_after(entry))) {
-    entry.health.set_probe_at(now + entry.in_force().probe_interval);
+  parts_.payback.note_lost(job.sent.last_at, now);
+  parts_.probes.note_unanswered(job, now);
+  if (entry.health.note_unanswered(job.sent.last_at, due, offline_after(entry))) {
+    entry.probe_at = now + entry.in_force().probe_interval;
     diagnosis_.notify(DeviceNotice::Kind::lost, address);
     ends_.end_waiting_for(address);
   }
 }
 
 // Not beside a write on a Modbus TCP connection, which the server may carry out after the stop.
-void Outcomes::note_stopped(const Transmission& transmission, Instant now) {
-  const Transaction& sent = transmission.on_wire();
-  const auto may_undo = [&](const Transmission* other) {
-    return other->in_flight && other->leader->job_class == JobClass::write &&
-           other->leader->address() == sent.address;
+void Outcomes::note_stopped(const Job& job, Instant now) {
+  const Transaction& sent = job.transaction();
+  const auto may_undo = [&](const Job* other) {
+    return other->sent.in_flight && other->job_class == JobClass::write &&
+           other->address() == sent.address;
   };
   const bool stops =
       sent.is_broadcast() || parts_.devices.is_stop(sent.address, sent.request, sent.broadcast);
-  if (transmission.is_stop() && stops &&
-      std::ranges::none_of(parts_.transmissions.running(), may_undo)) {
+  if (job.is_stop() && stops && std::ranges::none_of(parts_.transmissions.running(), may_undo)) {
     parts_.acknowledged.note(sent, now);
   }
 }
 
 // It is repeated behind other stops that wait, so that a dead device does not keep them waiting.
-void Outcomes::handle_stop_failure(Transmission& stop, Instant now) {
-  DeviceEntry& entry = parts_.devices[stop.on_wire().address];
-  const bool is_given_up = stop.is_one_try && entry.stops_given_up;
+void Outcomes::handle_stop_failure(Job& stop, Instant now) {
+  DeviceEntry& entry = parts_.devices[stop.transaction().address];
+  const bool is_given_up = stop.sent.is_one_try && entry.stops_given_up;
   if (!is_given_up && may_be_tried_again(stop, entry)) {
     parts_.transmissions.leave(stop);
-    stop.waits_since = now;
+    stop.sent.waits_since = now;
     parts_.stops.push(stop);
     return;
   }
@@ -82,8 +81,8 @@ void Outcomes::handle_stop_failure(Transmission& stop, Instant now) {
 
 // True: it is sent again. The drive may only be busy, or behind a gateway that is; another
 // exception is its last word. Until then the drive is left alone, and the line is free for others.
-bool Outcomes::repeat_refused(Transmission& stop, Instant now) {
-  Transaction& sent = stop.on_wire();
+bool Outcomes::repeat_refused(Job& stop, Instant now) {
+  Transaction& sent = stop.transaction();
   DeviceEntry& entry = parts_.devices[sent.address];
   const std::uint8_t exception = sent.response->bytes()[1];
   const bool may_repeat = std::ranges::count(kPassingExceptions, exception) > 0;
@@ -101,23 +100,24 @@ bool Outcomes::repeat_refused(Transmission& stop, Instant now) {
   return false;
 }
 
-void Outcomes::give_up_stop(Transmission& stop, Instant now) {
+void Outcomes::give_up_stop(Job& stop, Instant now) {
   part_from_untried(stop);
-  parts_.devices[stop.on_wire().address].failed_stop = FailedStop{now};
+  parts_.devices[stop.transaction().address].failed_stop = FailedStop{now};
   ++parts_.counters.stops_unanswered;
-  diagnosis_.notify(DeviceNotice::Kind::stop_unanswered, stop.on_wire().address);
+  diagnosis_.notify(DeviceNotice::Kind::stop_unanswered, stop.transaction().address);
   ends_.finish(stop, Ending::no_answer);
 }
 
 // Those that joined it after its last transmission are still to be transmitted once.
-void Outcomes::part_from_untried(Transmission& stop) {
-  const auto untried = std::ranges::stable_partition(stop.followers, &Job::was_on_wire);
+void Outcomes::part_from_untried(Job& stop) {
+  const auto untried = std::ranges::stable_partition(stop.sent.followers, &Job::was_on_wire);
   if (untried.empty()) {
     return;
   }
-  Transmission& heir = parts_.transmissions.lead(*untried.front());
-  heir.followers.assign(untried.begin() + 1, untried.end());
-  stop.followers.erase(untried.begin(), untried.end());
+  Job& heir = *untried.front();
+  heir.sent.waits_since = heir.accepted_at;
+  heir.sent.followers.assign(untried.begin() + 1, untried.end());
+  stop.sent.followers.erase(untried.begin(), untried.end());
   parts_.stops.push_in_order(heir);
 }
 
@@ -125,16 +125,17 @@ void Outcomes::part_from_untried(Transmission& stop) {
 // twice; if the next connection is closed too before its answer, it has failed.
 void Outcomes::handle_cut(Instant now) {
   const auto running = parts_.transmissions.running();
-  for (Transmission* cut : std::vector(running.begin(), running.end())) {
-    if (!std::exchange(cut->in_flight, false)) {
+  for (Job* cut : std::vector(running.begin(), running.end())) {
+    if (!std::exchange(cut->sent.in_flight, false)) {
       continue;
     }
     parts_.probes.note_unanswered(*cut, now);
-    const std::size_t current = cut->leader->current;
+    const std::size_t current = cut->current;
     if (cut->is_stop()) {
       handle_failure(*cut, now);
-    } else if (cut->on_wire().request.is_read() && !cut->is_probe && cut->cut != current) {
-      cut->cut = current;
+    } else if (cut->transaction().request.is_read() && !cut->sent.is_probe &&
+               cut->sent.cut != current) {
+      cut->sent.cut = current;
     } else {
       ends_.finish(*cut, Ending::no_answer);
     }

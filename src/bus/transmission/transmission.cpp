@@ -2,92 +2,72 @@
 #include "bus/transmission/transmission.hpp"
 
 #include <algorithm>
-#include <memory>
-#include <new>
+#include <utility>
 
 #include "base/assert.hpp"
 
 namespace mbgate::bus {
+namespace {
 
-TransmissionTitle title_of(const Transmission& transmission) {
-  TransmissionTitle title{transmission.leader->number, {transmission.leader->owner}};
-  for (const Job* follower : transmission.followers) {
+bool is_in_flight(const Job* job) { return job->sent.in_flight; }
+
+}  // namespace
+
+TransmissionTitle title_of(const Job& leader) {
+  TransmissionTitle title{leader.number, {leader.owner}};
+  for (const Job* follower : leader.sent.followers) {
     title.requests.push_back(follower->owner);
   }
   return title;
 }
 
-TransmissionOver over_of(const Transmission& transmission, const LineEnd& end) {
-  const Transaction& sent = *end.transaction;
-  const bool has_response = end.how == LineEnd::How::response;
-  return {title_of(transmission), end.how, sent.may_stay_silent(),
-          has_response ? sent.response : std::nullopt};
+void Transmissions::leave(Job& leader) {
+  MBGATE_ASSERT(!leader.sent.in_flight, "what is on the wire runs until it ends");
+  std::erase(running_, &leader);
 }
 
-Transmission& Transmissions::lead(Job& leader) {
-  if (free_.empty()) {
-    free_.push_back(&all_.emplace_back());
-  }
-  Transmission& transmission = *free_.back();
-  free_.pop_back();
-  transmission.leader = &leader;
-  transmission.waits_since = leader.accepted_at;
-  leader.leads = &transmission;
-  return transmission;
+void Transmissions::end(Job& leader) {
+  MBGATE_ASSERT(leader.sent.followers.empty(), "who shares a transmission gets its end");
+  std::erase(running_, &leader);
+  leader.sent = {};
 }
 
-void Transmissions::start(Transmission& transmission) { running_.push_back(&transmission); }
-
-void Transmissions::leave(Transmission& transmission) {
-  MBGATE_ASSERT(!transmission.in_flight, "what is on the wire runs until it ends");
-  std::erase(running_, &transmission);
+void Transmissions::hand_over(Job& leader) {
+  MBGATE_ASSERT(!leader.sent.in_flight, "who is asked for on the wire leads");
+  Job& heir = *leader.sent.followers.front();
+  heir.sent = std::exchange(leader.sent, {});
+  heir.sent.followers.erase(heir.sent.followers.begin());
+  std::ranges::replace(running_, &leader, &heir);
 }
 
-void Transmissions::end(Transmission& transmission) {
-  MBGATE_ASSERT(transmission.followers.empty(), "who shares a transmission gets its end");
-  std::erase(running_, &transmission);
-  transmission.leader->leads = nullptr;
-  std::destroy_at(&transmission);  // each member has an initialiser or a constructor
-  free_.push_back(::new (static_cast<void*>(&transmission)) Transmission);
-}
-
-void Transmissions::hand_over(Transmission& transmission) {
-  MBGATE_ASSERT(!transmission.in_flight, "who is asked for on the wire leads");
-  transmission.leader->leads = nullptr;
-  transmission.leader = transmission.followers.front();
-  transmission.leader->leads = &transmission;
-  transmission.followers.erase(transmission.followers.begin());
-}
-
-Transmission& Transmissions::find(const Transaction* on_wire) const {
+Job& Transmissions::find(const Transaction* on_wire) const {
   const auto found = std::ranges::find_if(
-      running_, [&](const Transmission* running) { return &running->on_wire() == on_wire; });
+      running_, [&](const Job* running) { return &running->transaction() == on_wire; });
   MBGATE_ASSERT(found != running_.end(), "what ends on the wire runs");
   return **found;
 }
 
-Transmission* Transmissions::first_in_flight() const {
-  const auto first = std::ranges::find_if(running_, &Transmission::in_flight);
+Job* Transmissions::first_in_flight() const {
+  const auto first = std::ranges::find_if(running_, is_in_flight);
   return first == running_.end() ? nullptr : *first;
 }
 
-const Transmission* Transmissions::in_flight_to(std::uint8_t address) const {
-  const auto asked = std::ranges::find_if(running_, [&](const Transmission* it) {
-    return it->in_flight && it->on_wire().address == address;
+const Job* Transmissions::in_flight_to(std::uint8_t address) const {
+  const auto asked = std::ranges::find_if(running_, [&](const Job* it) {
+    return is_in_flight(it) && it->transaction().address == address;
   });
   return asked == running_.end() ? nullptr : *asked;
 }
 
 std::size_t Transmissions::in_flight() const {
-  return static_cast<std::size_t>(std::ranges::count_if(running_, &Transmission::in_flight));
+  return static_cast<std::size_t>(std::ranges::count_if(running_, is_in_flight));
 }
 
-bool Transmissions::may_go_on(const Transmission& running) const {
-  const auto is_stop_for_it = [&](const Transmission* other) {
-    return other->in_flight && other->is_stop() &&
-           other->leader->address() == running.leader->address();
+bool Transmissions::may_go_on(const Job& running) const {
+  const auto is_stop_for_it = [&](const Job* other) {
+    return is_in_flight(other) && other->is_stop() && other->address() == running.address();
   };
-  return !running.in_flight && std::ranges::none_of(running_, is_stop_for_it);
+  return !running.sent.in_flight && std::ranges::none_of(running_, is_stop_for_it);
 }
 
 }  // namespace mbgate::bus

@@ -18,7 +18,7 @@ std::optional<Duration> since(Instant instant, Instant now) {
 
 std::optional<WaitingClient> most_waiting(const bus::Bus& bus, const Sessions& sessions,
                                           Instant now) {
-  const auto most = bus.view().most_waiting(now);
+  const auto most = bus.parts().most_waiting(now);
   const auto* address = most ? sessions.address_of(most->source) : nullptr;
   if (address == nullptr) {  // it may have gone: stops are sent all the same
     return std::nullopt;
@@ -45,15 +45,15 @@ BusStatus status_of(const bus::Bus& bus, const bus::BusSettings& settings, Insta
   }
   status.is_open = bus.link().serves();
   status.is_starting = bus.link().is_starting();
-  status.state = bus.view().line_state(now);
+  status.state = bus.parts().line.state(now);
   status.is_reopening = bus.link().is_reopening();
   status.load = bus.diagnosis().load().percent(now);
   status.waits = bus.diagnosis().load().waits(now);
   status.busy = bus.diagnosis().load().total(now);
-  status.waiting = bus.view().waiting();
-  status.longest_waiting = bus.view().longest_waiting(now);
+  status.waiting = bus.parts().waiting();
+  status.longest_waiting = bus.parts().queue.longest_wait(now);
   status.silences = bus.diagnosis().silences();
-  status.silence = bus.view().silence(now);
+  status.silence = bus.parts().adapter.silence(now);
   status.counters = bus.counters();
   status.last_foreign = since(bus.diagnosis().last_foreign(), now);
   status.last_foreign_request = since(bus.diagnosis().last_foreign_request(), now);
@@ -78,7 +78,7 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
   const bus::DeviceEntry& entry = bus.devices()[address];
   DeviceStatus status;
   status.address = address;
-  status.state = bus.view().state_of(address);
+  status.state = bus.parts().state_of(address);
   const auto passed = since(entry.health.state_since(), now);
   if (passed && status.state != DeviceStatus::State::line_not_open) {
     status.state_since = std::max(*passed, Duration{0});
@@ -91,11 +91,11 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
   if (status.silence.transmissions() > 0) {
     status.silent_for = std::max(now - entry.silence.began(), Duration{0});
   }
-  status.held_back = bus.view().held_back(address, now);
+  status.held_back = bus.parts().held_back(address, now);
   status.quarantine = entry.hold.tail(now, entry.in_force());
   status.least_quarantine = entry.in_force().quarantine_or_default();
   if (entry.health.is_offline()) {
-    status.next_probe = std::max(entry.health.probe_at() - now, Duration{0});
+    status.next_probe = std::max(entry.probe_at - now, Duration{0});
   }
   status.response_timeout = entry.in_force().response_timeout;
   status.last_second_answer = since(

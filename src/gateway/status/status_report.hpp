@@ -7,10 +7,10 @@
 //   people: ctl/control/status_text, which cuts it to the window too; drawn in place:
 //   ctl/control/status_command.
 // - faults, and when they are found: of a device diagnosis, of a line line_findings.
-// - the duration of requests: bus/durations; transmissions unanswered since a device was
-//   heard: bus/health/silence; the state of a device, and its beginning: bus/health/device_health.
-// - requests that wait for a line: bus/bus_view; its load, and other clients on
-//   it: bus/health/line_diagnosis.
+// - the duration of requests: bus/durations; the state of a device, its beginning, and the
+//   transmissions unanswered since it was heard: bus/health/device_health.
+// - requests that wait for a line: bus/parts; its load, and other clients on it:
+//   bus/health/line_diagnosis.
 // - the registers of unit 255: gateway/status_unit, and the table in docs/status.md; another
 //   layout: kLayoutVersion.
 #pragma once

@@ -126,11 +126,16 @@ class Bus : public testing::Test {
       } else if (std::holds_alternative<bus::OpenLine>(*action)) {
         ++opens_;
       } else if (std::holds_alternative<bus::CloseLine>(*action)) {
-        ++closes_;
+        if (bus_->link().serves()) {
+          replaced_.push_back(std::exchange(is_news_, false));
+        } else {
+          ++closes_;
+        }
       } else if (const auto* news = std::get_if<bus::LineNotice>(&*action)) {
-        faults_.push_back(news->fault);
-      } else if (const auto* replace = std::get_if<bus::ReplaceLine>(&*action)) {
-        replaced_.push_back(replace->is_reportable);
+        is_news_ = news->fault == bus::LineFault::unanswered;
+        if (!is_news_) {
+          faults_.push_back(news->fault);
+        }
       } else if (const auto* notice = std::get_if<bus::DeviceNotice>(&*action)) {
         notices_.push_back(notice->kind);
         last_notice_ = *notice;
@@ -185,6 +190,7 @@ class Bus : public testing::Test {
   unsigned opens_ = 0;
   unsigned closes_ = 0;
   unsigned never_silent_ = 0;
+  bool is_news_ = false;        // that nothing comes
   std::vector<bool> replaced_;  // whether it was news
   std::vector<bus::DeviceNotice::Kind> notices_;
   std::vector<bus::LineFault> faults_;

@@ -86,7 +86,6 @@ std::vector<Case> events_of_lines() {
       {gateway::BusOpened{kAxes}, kBusOpened},
       {gateway::BusLost{kAxes}, kBusLost},
       {gateway::AdapterSilent{kAxes, std::chrono::seconds(30), 10}, kAdapterSilent},
-      {gateway::ConnectionReplaced{kAxes}, kConnectionReplaced},
       {gateway::LineNeverSilent{kAxes}, kLineNeverSilent},
       {gateway::LineNews{kAxes, LineFault::echo_differed}, kEchoDiffered},
       {gateway::LineNews{kAxes, LineFault::driver_stalled}, kDriverStalled},
@@ -97,7 +96,7 @@ std::vector<Case> events_of_lines() {
       {gateway::LineNews{kAxes, LineFault::echo_denied}, kEchoDenied},
       {gateway::LineNews{kAxes, LineFault::echo_unproven}, kEchoUnproven},
       {gateway::LineNews{kAxes, LineFault::answered_while_sending}, kAnsweredWhileSending},
-      {gateway::LineNews{kAxes, LineFault::unanswered}, kLineUnanswered},
+      {gateway::LineNews{kAxes, LineFault::unanswered}, kConnectionReplaced},
       {event_of(bus::Quality::bad_crc, std::nullopt), kLineBadCrc},
       {event_of(bus::Quality::good, std::nullopt), kQualityGood},
   };

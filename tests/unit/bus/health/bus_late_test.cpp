@@ -42,7 +42,7 @@ TEST_F(BusLate, ALateAnswerOnAQuietLineIsSeenToo) {
   advance(10ms);
   line(kAnswer);
   submit(job(kOther));
-  EXPECT_EQ(bus_->view().held_back(1, now_), 0ms);
+  EXPECT_EQ(bus_->parts().held_back(1, now_), 0ms);
   EXPECT_EQ(until_next_frame(), kT35);
 }
 
@@ -51,7 +51,7 @@ TEST_F(BusLate, TheQuarantineEndsByItself) {
   submit(job(kRead));
   time_out();
   submit(job(kOther));
-  EXPECT_EQ(bus_->view().held_back(1, now_), 120ms);  // 20 ms for what an adapter still keeps
+  EXPECT_EQ(bus_->parts().held_back(1, now_), 120ms);  // 20 ms for what an adapter still keeps
   EXPECT_EQ(until_next_frame(), 120ms);
 }
 
@@ -66,7 +66,7 @@ TEST_F(BusLate, WhatAnOfflineDeviceWasAskedIsOwedAsLongAsWhatOthersWere) {
   submit(job(kRead));
   advance(kEmission + 10ms);
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::no_answer));
-  EXPECT_EQ(bus_->view().held_back(1, now_), 210ms);
+  EXPECT_EQ(bus_->parts().held_back(1, now_), 210ms);
 }
 
 TEST_F(BusLate, LatenessIsToldAndTheQuarantineGrows) {
@@ -79,7 +79,7 @@ TEST_F(BusLate, LatenessIsToldAndTheQuarantineGrows) {
   advance(10ms);
   submit(job(kRead));
   time_out();
-  EXPECT_EQ(bus_->view().held_back(1, now_), 140ms);
+  EXPECT_EQ(bus_->parts().held_back(1, now_), 140ms);
 }
 
 TEST_F(BusLate, AWriteIsNotTakenForAnsweredByAnOlderAnswer) {
@@ -128,7 +128,7 @@ TEST_F(BusLate, WhatWasOnTheWireWhenTheLineWasLostIsStillOwed) {
   drain();
   bus_->handle_opened(now_ + 10ms);
   now_ += 10ms;
-  EXPECT_EQ(bus_->view().held_back(1, now_), kEmission + 210ms);
+  EXPECT_EQ(bus_->parts().held_back(1, now_), kEmission + 210ms);
 }
 
 TEST_F(BusLate, ALineThatIsOpenedAgainIsListenedToUntilNothingIsOwed) {

@@ -141,7 +141,7 @@ class BusOfThirty : public BusOffline {
         }
       }
       advance(10ms);
-      if (alive && is_in_flight(*polls_.at(*alive).job)) {
+      if (alive && polls_.at(*alive).job->sent.in_flight) {
         const auto answer = modbus::encode_rtu(*alive, *modbus::Pdu::from(unhex("83 02")));
         bus_->handle_bytes({answer.data(), answer.size()}, now_);
         drain();
@@ -247,7 +247,7 @@ TEST_F(BusOffline, AProbeThatFoundNoRoomIsNone) {
   EXPECT_FALSE(bus_->submit(job(kRead), now_));
   advance(3s);
   submit(job(kRead));
-  EXPECT_TRUE(is_in_flight(jobs_.back()));
+  EXPECT_TRUE(jobs_.back().sent.in_flight);
 }
 
 TEST_F(BusOffline, BadCrcsSayNothingAboutIt) {

@@ -95,7 +95,7 @@ TEST_F(BusUnasked, AFrameOfAnotherLengthIsNoLateAnswer) {
   advance(10ms);
   line("01 03 04 12 34 56 78 81 07");  // not what was asked for
   EXPECT_THAT(notices_, testing::Not(testing::Contains(Kind::late)));
-  EXPECT_EQ(bus_->view().held_back(1, now_), 0ms);
+  EXPECT_EQ(bus_->parts().held_back(1, now_), 0ms);
 }
 
 TEST_F(BusUnasked, WhatLiesInTheLineBeforeATransmissionIsNoAnswerToIt) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/health/silence.hpp"
-
 #include <gtest/gtest.h>
+
+#include "bus/health/device_health.hpp"
 
 namespace mbgate::test {
 namespace {

@@ -93,7 +93,7 @@ TEST_F(BusClasses, AFullQueueLosesTheNewestReadOfWhoHasTheMostWaiting) {
   EXPECT_THAT(endings_, ElementsAre(Ending::cancelled));
   EXPECT_FALSE(jobs_[2].is_waiting());
   EXPECT_EQ(bus_->counters().evicted, 1U);
-  EXPECT_EQ(bus_->view().waiting(), 4U);
+  EXPECT_EQ(bus_->parts().waiting(), 4U);
 }
 
 TEST_F(BusClasses, WhereNoReadCanMakeRoomTheNewcomerIsRefused) {

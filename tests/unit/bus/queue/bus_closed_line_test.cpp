@@ -198,7 +198,7 @@ TEST_F(BusClosedLine, WhatAStopCutsShortIsNeitherAnsweredNorUnanswered) {
   advance(200ms);
   EXPECT_EQ(frames_.back(), kStopFrame);
   EXPECT_FALSE(bus_->devices()[2].health.is_offline());
-  EXPECT_GT(bus_->view().held_back(2, now_), 0ms);  // it stays open
+  EXPECT_GT(bus_->parts().held_back(2, now_), 0ms);  // it stays open
 }
 
 }  // namespace

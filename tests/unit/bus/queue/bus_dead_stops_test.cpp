@@ -171,7 +171,7 @@ TEST_F(BusDeadStops, AStopInEveryScanToADeadDriveLeavesTheOthersTheBus) {
       submit(*read);
     }
     advance(10ms);
-    if (is_in_flight(*read)) {
+    if (read->sent.in_flight) {
       line("02 03 02 12 34 F1 33");
       answered += read->accepted ? 0U : 1U;
     }

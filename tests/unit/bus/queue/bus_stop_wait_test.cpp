@@ -19,7 +19,7 @@ TEST_F(BusStopWait, AStopWaitsForARunningTransactionsFirstByteNoLongerThanStopWa
   EXPECT_EQ(frames_.back(), kStopFrame);
   EXPECT_EQ(endings_.front(), Ending::no_answer);
   // The device that was cut off owes its answer until its own timeout and quarantine are over.
-  EXPECT_GT(bus_->view().held_back(2, now_), 0ms);
+  EXPECT_GT(bus_->parts().held_back(2, now_), 0ms);
 }
 
 TEST_F(BusStopWait, AnAnswerOfASlowRegisterMakesNoLaterStopWaitLonger) {

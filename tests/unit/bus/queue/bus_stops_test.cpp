@@ -154,7 +154,7 @@ TEST_F(BusStops, NeitherQuarantineNorBreakerNorDeadlineHoldsAStop) {
   submit(job(kRead));
   time_out();
   EXPECT_TRUE(bus_->devices()[1].health.is_offline());
-  EXPECT_GT(bus_->view().held_back(1, now_), 0ms);
+  EXPECT_GT(bus_->parts().held_back(1, now_), 0ms);
   bus::Job& stop = job(kStop);
   stop.deadline = now_ - 1s;
   submit(stop);

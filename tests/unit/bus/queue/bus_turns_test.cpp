@@ -147,7 +147,7 @@ TEST_F(BusTurns, WhatWaitsForItsDeviceDoesNotWaitForTheLine) {
   submit(job_of(1, "06 0000 0001"));
   submit(job_of(2, kRead, 2));  // occupies the line
   submit(job_of(2, kRead, 3));
-  const auto most = bus_->view().most_waiting(now_);
+  const auto most = bus_->parts().most_waiting(now_);
   ASSERT_TRUE(most);
   EXPECT_EQ(most->source, bus::FairnessKey{2});
   EXPECT_EQ(most->of, 1U);

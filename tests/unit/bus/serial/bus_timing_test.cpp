@@ -165,11 +165,11 @@ TEST_F(Bus, OnlyTheEndOfASilenceMayBeWokenForEarly) {
 TEST_F(Bus, BytesThatAreNoFrameAreDrainedBeforeTheNextTransmission) {
   open(settings());
   line("12 34 56");
-  EXPECT_EQ(bus_->view().line_state(now_), bus::LineState::draining);
+  EXPECT_EQ(bus_->parts().line.state(now_), bus::LineState::draining);
   submit(job(kRead));
   EXPECT_EQ(until_next_frame(10ms), kT35);
   line(kAnswer);
-  EXPECT_EQ(bus_->view().line_state(now_), bus::LineState::idle);
+  EXPECT_EQ(bus_->parts().line.state(now_), bus::LineState::idle);
 }
 
 // 264 characters of 11 bits at 19200 take 151.25 ms.
@@ -194,17 +194,17 @@ TEST_F(Bus, ShowsTheStatesOfTheSpecification) {
   listening.listen_first = 50ms;
   open(listening);
   using State = bus::LineState;
-  EXPECT_EQ(bus_->view().line_state(now_), State::initial);
+  EXPECT_EQ(bus_->parts().line.state(now_), State::initial);
   advance(50ms);
-  EXPECT_EQ(bus_->view().line_state(now_), State::idle);
+  EXPECT_EQ(bus_->parts().line.state(now_), State::idle);
   submit(job("06 0000 0001", 0));
-  EXPECT_EQ(bus_->view().line_state(now_), State::emission);
+  EXPECT_EQ(bus_->parts().line.state(now_), State::emission);
   advance(kEmission);
-  EXPECT_EQ(bus_->view().line_state(now_), State::waiting_turnaround_delay);
+  EXPECT_EQ(bus_->parts().line.state(now_), State::waiting_turnaround_delay);
   advance(100ms);
   submit(job(kRead));
   advance(kEmission);
-  EXPECT_EQ(bus_->view().line_state(now_), State::waiting_for_reply);
+  EXPECT_EQ(bus_->parts().line.state(now_), State::waiting_for_reply);
 }
 
 TEST_F(Bus, ADeviceIsLeftAloneAfterAWriteAndTheOthersAreNot) {

@@ -14,7 +14,7 @@ TEST_F(Echo, ThatNoAnswerFollowsProvesNothing) {
     send(kReadPdu);
     EXPECT_TRUE(echo_->is_unknown());
   }
-  EXPECT_THAT(faults_, IsEmpty());
+  EXPECT_THAT(told(), IsEmpty());
 }
 
 TEST_F(Echo, MayBeFoundAgainstReadsThatShowedNone) {

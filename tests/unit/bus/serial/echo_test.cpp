@@ -11,7 +11,7 @@ TEST_F(Echo, IsTakenOutWhereItIsSaidToBe) {
   EXPECT_EQ(take("00 00 01 48 0A 01 86"), "|01 86");
   EXPECT_EQ(take(kSentWrite), std::string("|") + kSentWrite);  // the answer
   EXPECT_FALSE(echo_->is_spoilt());
-  EXPECT_THAT(faults_, IsEmpty());
+  EXPECT_THAT(told(), IsEmpty());
 }
 
 TEST_F(Echo, IsFoundThoughItComesWhenTheRequestIsForgotten) {
@@ -29,7 +29,7 @@ TEST_F(Echo, ThatDiffersSpoilsWhatFollows) {
   send(kReadPdu);
   EXPECT_EQ(take("01 03 00 00 01 01"), "|");
   EXPECT_TRUE(echo_->is_spoilt());
-  EXPECT_THAT(faults_, ElementsAre(LineFault::echo_differed));
+  EXPECT_THAT(told(), ElementsAre(LineFault::echo_differed));
   EXPECT_EQ(counters_.echo_mismatches, 1U);
   EXPECT_EQ(counters_.stray_bytes, 6U);
   send(kReadPdu);
@@ -45,7 +45,7 @@ TEST_F(Echo, IsNotProvenByAnAnswerThatBeginsLikeARequestWithoutFields) {
   EXPECT_TRUE(echo_->is_unknown());
   answered("07 41");
   EXPECT_TRUE(echo_->is_unknown());
-  EXPECT_THAT(faults_, IsEmpty());
+  EXPECT_THAT(told(), IsEmpty());
 }
 
 TEST_F(Echo, ThatDifferedIsNotGivenOnLater) {
@@ -62,7 +62,7 @@ TEST_F(Echo, IsNotLookedForWhereItIsSaidNotToBe) {
   send(kReadPdu);
   EXPECT_EQ(take(kSentRead), std::string("|") + kSentRead);
   EXPECT_FALSE(echo_->is_learned());
-  EXPECT_THAT(faults_, IsEmpty());
+  EXPECT_THAT(told(), IsEmpty());
 }
 
 TEST_F(Echo, IsFoundWhereNobodyHasSaid) {
@@ -75,7 +75,7 @@ TEST_F(Echo, IsFoundWhereNobodyHasSaid) {
   answered("03 02 12 34");
   EXPECT_FALSE(echo_->is_unknown());
   EXPECT_TRUE(echo_->was_shown());
-  EXPECT_THAT(faults_, ElementsAre(LineFault::echo_found));
+  EXPECT_THAT(told(), ElementsAre(LineFault::echo_found));
   send(kWritePdu);
   EXPECT_EQ(take(kSentWrite), "|");
 }
@@ -224,7 +224,7 @@ TEST_F(Echo, ThatWasNotThereIsUnknownWhenTheLineIsOpenedAgain) {
   echo_->open();
   EXPECT_TRUE(echo_->is_unknown());
   echo_->note_unproven();
-  EXPECT_THAT(faults_, ElementsAre(LineFault::echo_unproven, LineFault::echo_unproven));
+  EXPECT_THAT(told(), ElementsAre(LineFault::echo_unproven, LineFault::echo_unproven));
 }
 
 }  // namespace

@@ -22,7 +22,8 @@ class LineSilenceTest : public testing::Test {
   static Instant at(Duration time) { return Instant{} + time; }
   LineSilenceTest() { silence_.open(at(0ms), at(200ms)); }
 
-  LineSilence silence_{settings()};
+  BusSettings settings_ = settings();
+  LineSilence silence_{settings_};
 };
 
 TEST_F(LineSilenceTest, ListensFirstToANewLineForAllButStops) {
@@ -79,13 +80,14 @@ TEST_F(LineSilenceTest, SettlesWhereAnAnswerIsMissingForAllButStops) {
 }
 
 TEST_F(LineSilenceTest, TakesOtherTimes) {
-  BusSettings others = settings();
-  others.frame_gap.reset();
-  others.turnaround = 50ms;
-  others.settle = 70ms;
-  silence_.update(others);
+  settings_.frame_gap.reset();
+  settings_.turnaround = 50ms;
+  settings_.settle = 70ms;
+  silence_.note_pause(0ms);
   EXPECT_EQ(silence_.ready_for_stop_at(), at(2005209ns));  // 38.5 bits, rounded up
-  EXPECT_EQ(silence_.turnaround(), 50ms);
+  silence_.note_frame(8, at(500ms));
+  silence_.note_broadcast();
+  EXPECT_EQ(silence_.ready_for_stop_at(), at(550ms + kEightBytes));
   silence_.open(at(1s), at(1s));
   EXPECT_FALSE(silence_.is_listening(at(1s)));
   silence_.note_unanswered(at(2s));

@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <vector>
+
 #include "bus/serial/echo.hpp"
 #include "echo_rig.hpp"
 #include "modbus/frames.hpp"
@@ -42,6 +44,13 @@ class Echo : public testing::Test {
   }
   void answered(std::string_view response, bool came_first = true) {
     echo_->note_answered(pdu(response), came_first);
+  }
+  std::vector<LineFault> told() {
+    std::vector<LineFault> told;
+    while (const auto fault = faults_.take()) {
+      told.push_back(*fault);
+    }
+    return told;
   }
   static modbus::Pdu pdu(std::string_view bytes) { return *modbus::Pdu::from(unhex(bytes)); }
 

@@ -241,9 +241,9 @@ TEST_F(BusTcp, StoppingEndsWhatIsOnItsWayUnanswered) {
 
 TEST_F(BusTcp, ShowsWhetherAnAnswerIsWaitedFor) {
   open(tcp());
-  EXPECT_EQ(bus_->view().line_state(now_), bus::LineState::idle);
+  EXPECT_EQ(bus_->parts().line.state(now_), bus::LineState::idle);
   submit(job(kRead));
-  EXPECT_EQ(bus_->view().line_state(now_), bus::LineState::waiting_for_reply);
+  EXPECT_EQ(bus_->parts().line.state(now_), bus::LineState::waiting_for_reply);
 }
 
 TEST_F(BusTcp, ABroadcastIsAnErrorOfOurs) {

@@ -60,7 +60,7 @@ TEST_F(BusCache, AWriteEmptiesItWhenAcceptedAndWhenEnded) {
   advance(10ms);
   line("01 06 00 00 00 01 48 0A");
   advance(5ms);
-  EXPECT_TRUE(is_in_flight(meanwhile));
+  EXPECT_TRUE(meanwhile.sent.in_flight);
 }
 
 TEST_F(BusCache, ABroadcastEmptiesItToo) {

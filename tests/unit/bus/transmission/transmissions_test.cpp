@@ -16,25 +16,24 @@ using bus::Job;
 using bus::JobClass;
 using bus::LastSent;
 using bus::StopLane;
-using bus::Transmission;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
 class Transmissions : public testing::Test {
  protected:
-  Transmission& lead(JobClass job_class, std::uint8_t address) {
+  Job& lead(JobClass job_class, std::uint8_t address) {
     Job& job = jobs_.emplace_back();
     job.job_class = job_class;
     const auto pdu = modbus::Pdu::from(unhex("03 00 00 00 01"));
     job.transactions.push_back({address, *modbus::Request::parse(*pdu)});
-    return transmissions_.lead(job);
+    return job;
   }
-  Transmission& fly(JobClass job_class, std::uint8_t address) {
-    Transmission& transmission = lead(job_class, address);
-    transmissions_.start(transmission);
-    transmission.in_flight = true;
-    transmission.tries = 1;
-    return transmission;
+  Job& fly(JobClass job_class, std::uint8_t address) {
+    Job& job = lead(job_class, address);
+    transmissions_.start(job);
+    job.sent.in_flight = true;
+    job.sent.tries = 1;
+    return job;
   }
 
   std::deque<Job> jobs_;
@@ -42,21 +41,21 @@ class Transmissions : public testing::Test {
 };
 
 TEST_F(Transmissions, HaveRoomForAsManyAsAreInFlight) {
-  Transmission& first = fly(JobClass::read, 1);
+  Job& first = fly(JobClass::read, 1);
   transmissions_.start(lead(JobClass::read, 2));
   EXPECT_TRUE(transmissions_.has_room());
   fly(JobClass::read, 3);
   EXPECT_FALSE(transmissions_.has_room());
   EXPECT_EQ(transmissions_.first_in_flight(), &first);
-  EXPECT_EQ(&transmissions_.find(&first.on_wire()), &first);
-  first.in_flight = false;
+  EXPECT_EQ(&transmissions_.find(&first.transaction()), &first);
+  first.sent.in_flight = false;
   EXPECT_TRUE(transmissions_.has_room());
 }
 
 TEST_F(Transmissions, GoOnBesideNoStopToTheirDevice) {
-  Transmission& read = fly(JobClass::read, 1);
+  Job& read = fly(JobClass::read, 1);
   EXPECT_FALSE(transmissions_.may_go_on(read));
-  read.in_flight = false;
+  read.sent.in_flight = false;
   EXPECT_TRUE(transmissions_.may_go_on(read));
   fly(JobClass::stop, 2);
   EXPECT_TRUE(transmissions_.may_go_on(read));
@@ -65,39 +64,38 @@ TEST_F(Transmissions, GoOnBesideNoStopToTheirDevice) {
 }
 
 TEST_F(Transmissions, AreLedByTheirFirstFollowerWhenTheLeaderLeaves) {
-  Transmission& read = lead(JobClass::read, 1);
-  transmissions_.start(read);
-  Job& gone = *read.leader;
-  Job& next = jobs_.emplace_back();
-  read.followers.push_back(&next);
-  bus::Transmissions::hand_over(read);
-  EXPECT_EQ(read.leader, &next);
-  EXPECT_EQ(next.leads, &read);
-  EXPECT_EQ(gone.leads, nullptr);
-  EXPECT_THAT(read.followers, IsEmpty());
+  Job& gone = fly(JobClass::read, 1);
+  gone.sent.in_flight = false;
+  Job& next = lead(JobClass::read, 1);
+  gone.sent.followers.push_back(&next);
+  transmissions_.hand_over(gone);
+  EXPECT_THAT(transmissions_.running(), ElementsAre(&next));
+  EXPECT_EQ(next.sent.tries, 1U);
+  EXPECT_THAT(next.sent.followers, IsEmpty());
+  EXPECT_EQ(gone.sent.tries, 0U);
+  EXPECT_THAT(gone.sent.followers, IsEmpty());
 }
 
 TEST_F(Transmissions, RunUntilTheyLeaveOrEnd) {
-  Transmission& stop = lead(JobClass::stop, 1);
-  transmissions_.start(stop);
+  Job& stop = fly(JobClass::stop, 1);
+  stop.sent.in_flight = false;
   EXPECT_THAT(transmissions_.running(), ElementsAre(&stop));
   transmissions_.leave(stop);
   EXPECT_THAT(transmissions_.running(), IsEmpty());
-  Job& job = *stop.leader;
-  EXPECT_EQ(job.leads, &stop);
+  EXPECT_EQ(stop.sent.tries, 1U);
   transmissions_.end(stop);
-  EXPECT_EQ(job.leads, nullptr);
+  EXPECT_EQ(stop.sent.tries, 0U);
 }
 
 TEST_F(Transmissions, WaitInTheStopLaneInTheirOrder) {
   StopLane lane;
-  const auto first_of = [&lane] { return lane.find([](const Transmission&) { return true; }); };
-  Transmission& first = lead(JobClass::stop, 1);
-  Transmission& second = lead(JobClass::stop, 2);
+  const auto first_of = [&lane] { return lane.find([](const Job&) { return true; }); };
+  Job& first = lead(JobClass::stop, 1);
+  Job& second = lead(JobClass::stop, 2);
   lane.push(first);
   lane.push(second);
   EXPECT_EQ(first_of(), &first);
-  EXPECT_EQ(lane.find([](const Transmission& it) { return it.leader->address() == 2; }), &second);
+  EXPECT_EQ(lane.find([](const Job& it) { return it.address() == 2; }), &second);
   lane.remove(first);
   lane.push_front(first);
   EXPECT_EQ(first_of(), &first);
