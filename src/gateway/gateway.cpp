@@ -96,8 +96,9 @@ std::optional<Wake> Gateway::next_wake() const {
 void Gateway::set_traced(bool traced) {
   trace_.set_on(traced);
   if (traced) {
-    buses_.for_each(
-        [this](BusId id, const bus::Bus& it) { trace_.begin_amid(id, it.parts().transmissions.in_flight()); });
+    buses_.for_each([this](BusId id, const bus::Bus& it) {
+      trace_.begin_amid(id, it.parts().transmissions.in_flight());
+    });
   }
   buses_.set_traced(traced);
 }

@@ -81,12 +81,12 @@ class Echo {
   [[nodiscard]] bool was_shown() const { return shown_; }
   [[nodiscard]] bool is_learned() const { return learns_; }
   [[nodiscard]] bool is_unknown() const { return state_ == State::unknown; }
-  [[nodiscard]] bool is_present() const { return state_ == State::present; }
   /// What the settings do not say.
   [[nodiscard]] NoticedEcho noticed() const {
-    return learns_ && is_present()              ? NoticedEcho::found
-           : is_unknown() && unproven_reported_ ? NoticedEcho::unproven
-                                                : NoticedEcho::none;
+    if (state_ == State::present) {
+      return learns_ ? NoticedEcho::found : NoticedEcho::none;
+    }
+    return is_unknown() && unproven_reported_ ? NoticedEcho::unproven : NoticedEcho::none;
   }
   /// A response that repeats the request is taken for the echo. True: there was another one before
   /// it. `proves`: it cannot be anything else, if an answer follows.

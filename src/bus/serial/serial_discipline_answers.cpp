@@ -18,7 +18,8 @@ constexpr Duration kEchoKept = std::chrono::milliseconds(20);
 bool begins_as_echo(const Echo& echo, const Framer& framer, const Transaction& asked) {
   const modbus::Bytes request = asked.request.pdu().bytes();
   const modbus::Bytes response = framer.response().bytes();
-  if (!echo.is_learned() || echo.is_present() || response.size() <= request.size() ||
+  if (!echo.is_learned() || echo.noticed() == NoticedEcho::found ||
+      response.size() <= request.size() ||
       !std::ranges::equal(request, response.first(request.size()))) {
     return false;
   }

@@ -94,10 +94,8 @@ TEST_F(Broadcasts, TheAicsBroadcastAddressIsNoDevice) {
   EXPECT_EQ(sent("06 0001 0001", 129), Texts{kIllegalAddress});
   EXPECT_EQ(sent("03 0001 0001", 129), Texts{kNotAllowed});
   listeners[0].broadcast_reply = routing::BroadcastReply::none;
-  EXPECT_EQ(routing::RouteTable(listeners, routes, devices)
-                .find(ListenerId{0}, 129)
-                ->route.broadcast_reply,
-            routing::BroadcastReply::none);
+  const routing::RouteTable table(listeners, routes, devices);
+  EXPECT_EQ(table.find(ListenerId{0}, 129)->route.broadcast_reply, routing::BroadcastReply::none);
   devices = {moons(1, {})};
   EXPECT_EQ(sent("06 0001 0001", 129), Texts{"129: 06 00 01 00 01"});
 }
