@@ -78,8 +78,14 @@ struct DeviceEntry {
   /// And the last stop, if it was given up and no write was acknowledged since.
   std::optional<FailedStop> failed_stop;
 
-  /// The times in force for the device.
+  /// The times in force for the device, and for one request to it, which is a probe or a stop to an
+  /// offline device if it `hurries`.
   [[nodiscard]] const drive::DeviceTiming& in_force() const { return device->timing; }
+  [[nodiscard]] drive::DeviceTiming in_force(const modbus::Request& request, bool hurries) const {
+    drive::DeviceTiming timing = device->timing_of(request);
+    timing.response_timeout = hurries ? timing.probe_timeout_or_default() : timing.response_timeout;
+    return timing;
+  }
   /// No [[device]] has this address, and nobody was ever heard there.
   [[nodiscard]] bool is_unknown() const {
     return device->name.empty() && health.state() == DeviceState::not_asked;

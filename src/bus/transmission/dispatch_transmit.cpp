@@ -149,9 +149,8 @@ drive::DeviceTiming Dispatch::note_transmission(Job& job, Instant now) {
     job.sent.is_probe = !job.is_stop() && (is_offline || is_decisive);
     // A write as the probe does not: a device that is back may carry it out, and then answers.
     const bool hurries = job.sent.is_one_try || (job.sent.is_probe && sent.request.is_read());
-    timing = entry.device->timing_of(sent.request);
-    const Duration usual = timing.response_timeout;
-    timing.response_timeout = hurries ? timing.probe_timeout_or_default() : usual;
+    timing = entry.in_force(sent.request, hurries);
+    const Duration usual = entry.in_force(sent.request, false).response_timeout;
     job.sent.hurried_by = std::max(usual - timing.response_timeout, Duration{0});
     sent.boot_time = entry.device->silent_after(sent.request);
     counters.probes += job.sent.is_probe ? 1U : 0U;

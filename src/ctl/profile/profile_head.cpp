@@ -8,6 +8,7 @@
 #include "config/toml/toml_value.hpp"
 #include "ctl/profile/profile_text.hpp"
 #include "ctl/visible_text.hpp"
+#include "modbus/describe.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -141,16 +142,6 @@ std::string profile_head(const config::ProfileFile& file) {
 }
 
 std::string hex(unsigned number) { return fmt::format("0x{:04X}", number); }
-
-std::string_view table_name(Table table) {
-  switch (table) {
-    case Table::coils: return "coils";
-    case Table::discrete_inputs: return "discrete inputs";
-    case Table::holding_registers: return "holding registers";
-    case Table::input_registers: return "input registers";
-  }
-  return {};
-}
 
 std::string line_text(const std::optional<std::uint32_t>& line) {
   return line ? std::to_string(*line) : "";

@@ -29,8 +29,6 @@ std::vector<unsigned> codes_in(const std::bitset<Size>& set) {
 
 /// "0x00C8"
 std::string hex(unsigned number);
-/// "holding registers"
-std::string_view table_name(modbus::Table table);
 /// A line of the manual, or nothing.
 std::string line_text(const std::optional<std::uint32_t>& line);
 /// Register numbers as in the manual: "40005", "40005-40006".
