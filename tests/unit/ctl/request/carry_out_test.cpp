@@ -116,6 +116,17 @@ TEST(CarryOut, TakesNoAnswerThatDoesNotFit) {
             "it repeats another address, value or quantity\n");
 }
 
+TEST(CarryOut, FailsWhereNothingCanBePrinted) {
+  const OneAnswer server({1, 0x06, 0x00, 0x7C, 0x00, 0xD8});
+  auto command = write_opcode();
+  command.target.port = server.port();
+  std::ostringstream out;
+  out.setstate(std::ios::badbit);
+  std::ostringstream errors;
+  EXPECT_EQ(carry_out(command, out, errors), 1);
+  EXPECT_EQ(errors.str(), "mbgatectl: done, but the result cannot be written to standard output\n");
+}
+
 TEST(CarryOut, SaysThatTheServerHungUp) {
   const OneAnswer server({});
   const auto outcome = carry_out_on(server.port(), write_opcode());
