@@ -66,7 +66,7 @@ TEST(DoctorOptions, SayWhatIsWrong) {
   EXPECT_EQ(complaint("doctor --listen 2"),
             "mbgatectl: \"2\" is not a time from 1ms to 1000h, like 500ms or 5s");
   EXPECT_EQ(complaint("doctor --address 0"),
-            "mbgatectl: \"0\" is not a list of units: 1 to 247, like 5 or 1-32 or 1-8,17");
+            "mbgatectl: \"0\" is not a list of units: 1 to 254, like 5 or 1-32 or 1-8,17");
 }
 
 }  // namespace

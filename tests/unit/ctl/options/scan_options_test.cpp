@@ -32,7 +32,7 @@ TEST(ScanOptions, AsksTheUnitsOfMostDrivesUnlessToldOtherwise) {
 
 TEST(ScanOptions, TakesNoUnitsThatABusCannotHaveAndNoOtherNames) {
   EXPECT_EQ(complaint("scan --units 0-3"),
-            "mbgatectl: \"0-3\" is not a list of units: 1 to 247, like 5 or 1-32 or 1-8,17");
+            "mbgatectl: \"0-3\" is not a list of units: 1 to 254, like 5 or 1-32 or 1-8,17");
   EXPECT_EQ(complaint("scan --timeout 5"),
             "mbgatectl: \"5\" is not a time from 1ms to 1000h, like 500ms or 5s");
   EXPECT_EQ(complaint("scan --bus a/b"),
