@@ -7,8 +7,10 @@
 
 #include "ctl/options/subcommands.hpp"
 #include "ctl/request/carry_out.hpp"
+#include "sys/unique_fd.hpp"
 
 int main(int argc, char** argv) {
+  mbgate::sys::open_standard_streams();
   auto parsed = mbgate::ctl::parse_command_line(MBGATE_VERSION, argc, argv);
   if (const auto* notice = std::get_if<mbgate::ctl::Notice>(&parsed)) {
     (notice->status == 0 ? std::cout : std::cerr) << notice->text;

@@ -20,6 +20,7 @@
 #include <system_error>
 
 #include "signer/door.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace {
 
@@ -121,6 +122,7 @@ void protect() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  mbgate::sys::open_standard_streams();
   int status = EXIT_SUCCESS;
   const auto options = options_of(argc, argv, status);
   if (!options) {

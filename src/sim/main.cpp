@@ -8,6 +8,7 @@
 
 #include "config/diagnostic.hpp"
 #include "sim/program/simulator.hpp"
+#include "sys/unique_fd.hpp"
 
 namespace {
 
@@ -25,6 +26,7 @@ Signals:
 }  // namespace
 
 int main(int argc, char** argv) {
+  mbgate::sys::open_standard_streams();
   CLI::App app(
       "Simulates RS-485 buses with drives, each on a pseudo-terminal or a TCP port, at the speed "
       "of the wire.");

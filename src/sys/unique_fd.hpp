@@ -3,6 +3,7 @@
 // then the owner must be on a thread that may wait.
 #pragma once
 
+#include <fcntl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -46,6 +47,16 @@ inline int write_all(int descriptor, std::string_view text) {
     text.remove_prefix(count < 0 ? 0 : static_cast<std::size_t>(count));
   }
   return 0;
+}
+
+/// A standard stream that is closed becomes /dev/null. Otherwise its number goes to the next file
+/// or port that is opened, and so does what is printed.
+inline void open_standard_streams() {
+  for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(standard, F_GETFD) < 0) {
+      static_cast<void>(::open("/dev/null", O_RDWR));
+    }
+  }
 }
 
 class UniqueFd {

@@ -185,6 +185,12 @@ class Certificates(Plant):
             self.assertEqual(own + authority, text)
             self.assertEqual((self.folder / "ca.crt").read_text(encoding="ascii"), authority)
 
+    def test_need_an_authority(self):
+        with tempfile.TemporaryDirectory() as empty:
+            told = self.cert("client", "hmi", "--directory", empty, status=1)
+            self.assertEqual(f"mbgate-cert: there is no ca.crt with ca.key in {empty}: make an authority first "
+                             "(mbgate-cert ca)\n", told)
+
     def test_do_not_outlive_their_authority(self):
         told = self.cert("client", "late", "--days", 3651, status=1)
         self.assertEqual("mbgate-cert: ca.crt does not last for 3651 days: give fewer --days, or make an authority "

@@ -19,7 +19,7 @@ def beginning(device, mode):
         f"ok       permission: USER may open {device}",
         "ok       holder: no other program is seen to have it open",
         "unknown  latency: PTY is not an FTDI adapter, or does not show its timer",
-        f"ok       settings: {mode} is set and was read back",
+        f"unknown  settings: {mode} is set, but a pseudo-terminal has no parity to read back",
     ]
 
 

@@ -89,7 +89,7 @@ class DoctorAtTheSimulator(Doctor):
                 ("permission", "ok"),
                 ("holder", "ok"),
                 ("latency", "unknown"),
-                ("settings", "ok"),
+                ("settings", "unknown"),
                 ("idle line", "ok"),
                 ("echo", "ok"),
                 ("answers of unit 17 (healthy-belt)", "ok"),

@@ -196,7 +196,8 @@ class ScanOfASerialPort(unittest.TestCase):
         done = self.scan("--units", "2-3,17", "--bauds", "9600,115200,19200", "--wait", "500ms", "--config", "found.toml")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(
-            done.stderr, "asking 3 units at line in 9 modes, 9600 8E1 first: 14s at most; only reads are sent\n", done.stdout
+            done.stderr, "asking 3 units at line in 9 modes, 9600 8E1 first: 14s at most, and some seconds for each that answers; "
+            "only reads are sent\n", done.stdout
         )
         device = str(self.folder / "line")
         self.assertEqual(done.stdout.splitlines()[0], f"{device}, 19200 baud, parity even, stop bits 1:")

@@ -57,6 +57,19 @@ class Values(unittest.TestCase):
         self.printed("write", *place, "axi\n")
         self.assertEqual(self.printed("read", *place, "--count", 4, "--quiet"), "axi\\x0As x]\n")
 
+    def test_a_closed_standard_output_is_not_the_connection(self):
+        command = self.command("read", "holding", 0, "--every", "10ms", "--times", 3)
+        closed = ["sh", "-c", 'exec "$@" >&-', "sh", *command]
+        done = subprocess.run(closed, stderr=subprocess.PIPE, text=True, timeout=PATIENCE, check=False)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+
+    def test_what_cannot_be_printed_is_a_failure(self):
+        for command in (self.command("read", "holding", 0), [program("mbgated"), "--version"]):
+            with open("/dev/full", "w", encoding="ascii") as full:
+                done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=PATIENCE, check=False)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("cannot be written", done.stderr)
+
     def test_a_failure_is_json_too(self):
         done = self.mbgatectl("read", "holding", 0, "--unit", NOBODY, "--json")
         self.assertEqual((done.returncode, done.stderr), (1, ""))

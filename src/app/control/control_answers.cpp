@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/control/control_answers.hpp"
 
+#include <algorithm>
 #include <boost/beast/http.hpp>
 #include <boost/json/serialize.hpp>
 #include <fmt/core.h>
@@ -27,8 +28,12 @@ HttpResponse answer(const HttpRequest& request, http::status status,
   return response;
 }
 
-std::string_view path_of(const HttpRequest& request) {
-  const std::string_view target(request.target().data(), request.target().size());
+std::string_view path_of(const http::request_header<>& request) {
+  std::string_view target(request.target().data(), request.target().size());
+  constexpr std::string_view kScheme = "http://";
+  if (target.starts_with(kScheme)) {  // the absolute form (RFC 9112, 3.2.2)
+    target.remove_prefix(std::min(target.find('/', kScheme.size()), target.size()));
+  }
   return target.substr(0, target.find('?'));
 }
 

@@ -23,7 +23,8 @@ HttpResponse answer(const HttpRequest& request, boost::beast::http::status statu
                     const boost::json::object& json);
 HttpResponse wrong_method(const HttpRequest& request, const char* allowed);
 
-std::string_view path_of(const HttpRequest& request);
+/// Of either form of a target: "/healthz" or "http://gateway:8080/healthz".
+std::string_view path_of(const boost::beast::http::request_header<>& request);
 std::string_view query_of(const HttpRequest& request);
 /// The value of a header field; `field`: its name, or Beast's number for it.
 template <typename Field>

@@ -105,7 +105,8 @@ std::optional<Refusal> ControlServer::refused(const ControlDoors::Entered& clien
     }
   }
   auto refusal = client.over_tcp ? refused_over_tcp(request, hosts_) : refused_over_socket(request);
-  if (!refusal) {
+  // A head that is not whole may lack its Host.
+  if (incoming.refusal && (!refusal || refusal->status == http::status::bad_request)) {
     refusal = incoming.refusal;
   }
   if (refusal && is_command) {
@@ -257,9 +258,12 @@ asio::awaitable<ControlServer::Response> ControlServer::health(const Request& re
 asio::awaitable<ControlServer::Response> ControlServer::clear_counters(const Request& request,
                                                                        const Asker& asker) {
   Question<bool> question(home_);
-  asio::post(gateway_, [&target = target_, take = question.taker(), asker] {
-    target.clear_counters(asker);
-    take(true);
+  asio::post(gateway_, [&target = target_, take = question.taker(),
+                        is_awaited = question.is_awaited(), asker] {
+    if (is_awaited()) {  // else it was answered that nothing was done
+      target.clear_counters(asker);
+      take(true);
+    }
   });
   const auto done = co_await question.wait(kAnswerLimit);
   co_return done ? answer(request, http::status::ok, {{"result", "done"}})

@@ -115,6 +115,11 @@ class Question {
     };
   }
 
+  /// What says, on any thread, whether somebody still waits.
+  [[nodiscard]] std::function<bool()> is_awaited() const {
+    return [state = std::weak_ptr(state_)] { return !state.expired(); };
+  }
+
   boost::asio::awaitable<std::optional<Value>> wait(std::chrono::seconds limit) {
     state_->timer.expires_after(limit);
     co_await state_->timer.async_wait(io::kAsTuple);

@@ -14,6 +14,20 @@ namespace {
 namespace http = boost::beast::http;
 using Parser = http::request_parser<http::string_body>;
 
+/// Nothing where the client has gone, or was too slow.
+std::optional<Refusal> refused_head(const boost::system::error_code& error) {
+  if (error == http::error::header_limit || error == http::error::buffer_overflow) {
+    return Refusal{
+        http::status::request_header_fields_too_large,
+        fmt::format("expected a header of at most {} bytes", RequestReader::kLongestHeader)};
+  }
+  if (error.category() != boost::system::error_code(http::error::bad_method).category() ||
+      error == http::error::end_of_stream || error == http::error::partial_message) {
+    return std::nullopt;
+  }
+  return Refusal{http::status::bad_request, "expected HTTP: " + error.message()};
+}
+
 std::optional<Refusal> refused_body(const Parser& parser) {
   if (parser.chunked()) {
     return Refusal{http::status::length_required,
@@ -36,11 +50,11 @@ boost::asio::awaitable<std::optional<RequestReader::Incoming>> RequestReader::re
   stream_.expires_after(kClientLimit);
   const auto [head_error, head_size] =
       co_await http::async_read_header(stream_, buffer_, parser, io::kAsTuple);
+  if (auto refusal = head_error ? refused_head(head_error) : refused_body(parser)) {
+    co_return Incoming{parser.release(), std::move(refusal)};
+  }
   if (head_error) {
     co_return std::nullopt;
-  }
-  if (auto refusal = refused_body(parser)) {
-    co_return Incoming{parser.release(), std::move(refusal)};
   }
   const auto [error, size] = co_await http::async_read(stream_, buffer_, parser, io::kAsTuple);
   if (error) {

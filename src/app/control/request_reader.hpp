@@ -27,13 +27,13 @@ class RequestReader {
 
   struct Incoming {
     boost::beast::http::request<boost::beast::http::string_body> request;
-    /// Why its body is not read. Nothing can be read after it.
+    /// Why it, or its body, is not read. Nothing can be read after it.
     std::optional<Refusal> refusal;
   };
 
   explicit RequestReader(ControlStream& stream) : stream_(stream) {}
 
-  /// Nothing: it has ended, took too long, or is no HTTP.
+  /// Nothing: it has ended, or took too long.
   boost::asio::awaitable<std::optional<Incoming>> read();
 
  private:

@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <sys/socket.h>
 
+#include <array>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/write.hpp>
 #include <string_view>
@@ -53,10 +54,14 @@ void StreamReaders::watch(ControlStream& stream, const std::shared_ptr<Reader>& 
       [held = std::weak_ptr(reader), &stream](const boost::system::error_code& error) {
         // As long as the reader is there, so is its connection, though perhaps closed by us.
         const auto reading = held.lock();
+        std::array<char, 256> ignored{};
         if (reading &&
             (error || !stream.socket().is_open() || is_closed(stream.socket().native_handle()))) {
           reading->has_gone = true;
           reading->news.cancel();
+        } else if (reading && ::recv(stream.socket().native_handle(), ignored.data(),
+                                     ignored.size(), MSG_DONTWAIT) > 0) {
+          watch(stream, reading);
         }
       });
 }

@@ -52,8 +52,7 @@ bool is_stream(std::string_view target) {
 /// Browsers do not say of every page (Sec-Fetch-Site) whose it is; what an image or a script of one
 /// is asked for, they do not call an event stream.
 bool is_stream_for_no_reader(const http::request_header<>& request) {
-  return is_stream({request.target().data(), request.target().size()}) &&
-         request[http::field::user_agent].starts_with("Mozilla/") &&
+  return is_stream(path_of(request)) && request[http::field::user_agent].starts_with("Mozilla/") &&
          request[http::field::accept].find("text/event-stream") == boost::beast::string_view::npos;
 }
 

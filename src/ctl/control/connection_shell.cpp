@@ -12,6 +12,7 @@
 #include <boost/asio/local/stream_protocol.hpp>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fmt/core.h>
 #include <future>
 #include <optional>
@@ -152,15 +153,15 @@ error_code connect(ControlConnection& connection, const std::string& place,
   return found ? connect_to_any(connection, *found, limit) : found.error();
 }
 
-Result<sys::UniqueFd, error_code> connected_socket(const addrinfo* places, const WaitLimit& limit) {
-  std::vector<stream_protocol::endpoint> endpoints;
-  for (; places != nullptr; places = places->ai_next) {
-    endpoints.emplace_back(places->ai_addr, places->ai_addrlen, places->ai_protocol);
-  }
+Result<sys::UniqueFd, std::string> connect_tcp(const HostAndPort& server,
+                                               std::chrono::steady_clock::time_point deadline) {
+  const WaitLimit limit{deadline, {}};
+  const Endpoints found = look_up_in_time(server, limit);
   boost::asio::io_context context;
   ControlConnection connection(context);
-  if (const error_code error = connect_to_any(connection, endpoints, limit)) {
-    return error;
+  const error_code error = found ? connect_to_any(connection, *found, limit) : found.error();
+  if (error) {
+    return error == boost::system::errc::timed_out ? "no answer in time" : error.message();
   }
   return sys::UniqueFd(connection.release());
 }
@@ -217,11 +218,15 @@ std::string explain(const std::string& place, const error_code& error) {
   if (error == boost::system::errc::permission_denied) {
     return fmt::format("no permission for {}: run it as root, or as a member of its group", place);
   }
-  if (error == boost::system::errc::connection_refused) {
+  std::error_code unknown;
+  if (error == boost::system::errc::connection_refused &&
+      std::filesystem::is_socket(place, unknown)) {
     return fmt::format(
         "no program listens at {} any more: mbgated has ended (journalctl -u mbgated)", place);
   }
-  return fmt::format("{}: {}", place, error.message());
+  return fmt::format(
+      "{}: {}", place,
+      error == boost::system::errc::connection_refused ? "this is not a socket" : error.message());
 }
 
 }  // namespace mbgate::ctl

@@ -3,8 +3,6 @@
 // "tcp://HOST:PORT", one of its [http] listen, where it can only be read.
 #pragma once
 
-#include <netdb.h>
-
 #include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/system/error_code.hpp>
 #include <chrono>
@@ -12,6 +10,7 @@
 #include <functional>
 #include <string>
 
+#include "base/text.hpp"
 #include "modbus/result.hpp"
 #include "sys/unique_fd.hpp"
 
@@ -39,9 +38,9 @@ std::string wrong_place(const std::string& place);
 boost::system::error_code connect(ControlConnection& connection, const std::string& place,
                                   const WaitLimit& limit);
 
-/// A socket, which does not block, that is connected to one of these.
-Result<sys::UniqueFd, boost::system::error_code> connected_socket(const addrinfo* places,
-                                                                  const WaitLimit& limit);
+/// A socket, which does not block, that is connected to the server; or why not.
+Result<sys::UniqueFd, std::string> connect_tcp(const HostAndPort& server,
+                                               std::chrono::steady_clock::time_point deadline);
 
 /// Tries `count` places one by one until one can be reached. Each but the last gets a share of what
 /// is left of the time: one that never answers leaves time for the others.

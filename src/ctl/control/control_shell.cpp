@@ -28,6 +28,9 @@ Result<ControlAnswer, std::string> parsed_answer(
   return ControlAnswer{response.result_int(), json.get_object()};
 }
 
+/// A status has all devices and clients in it.
+constexpr std::uint64_t kLongestAnswer = std::uint64_t{64} << 20U;
+
 /// mbgated sends a comment every 15 s at least.
 constexpr std::chrono::seconds kSilenceLimit{45};
 
@@ -47,9 +50,6 @@ class Exchange {
 
   /// Connects, and sends the request. Returns why not, or nothing.
   std::string ask(const std::string& method, const std::string& target) {
-    if (std::string why = wrong_place(place_); !why.empty()) {
-      return why;
-    }
     error_ = connect(connection_, place_, wait_limit_);
     request_ = {http::string_to_verb(method), target, 11};
     request_.set(http::field::host, host_of(connection_));
@@ -98,7 +98,8 @@ class Exchange {
 
   [[nodiscard]] std::string failure() const {
     if (error_ == boost::asio::error::timed_out) {
-      return fmt::format("mbgated has not answered within {} s", limit_.count());
+      return fmt::format("mbgated has not answered within {} s{}", limit_.count(),
+                         request_.method() == http::verb::post ? "; it may still be done" : "");
     }
     return error_ ? explain(place_, error_) : std::string();
   }
@@ -157,6 +158,7 @@ Result<ControlAnswer, std::string> ask_control(const std::string& place, const s
                                                const std::function<bool()>& give_up) {
   Exchange exchange(place, limit, true, give_up);
   http::response_parser<http::string_body> response;
+  response.body_limit(kLongestAnswer);
   std::string failure = exchange.ask(method, target);
   if (failure.empty()) {
     failure = exchange.read(response);

@@ -17,6 +17,8 @@
 namespace mbgate::ctl {
 namespace {
 
+constexpr std::size_t kLongestLine = 1 << 20;
+
 /// `at` is in UTC: "2026-11-24T22:10:00.123Z".
 std::string local_time(const std::string& at) {
   std::tm utc{};
@@ -32,6 +34,9 @@ std::vector<ServerEvent> EventReader::take(std::string_view bytes) {
   std::vector<ServerEvent> events;
   for (const char byte : bytes) {
     if (byte != '\n') {
+      if (line_.size() == kLongestLine) {
+        throw std::length_error("a line is longer than 1 MB");
+      }
       line_ += byte;
     } else if (take_line(std::exchange(line_, {}))) {
       events.push_back(std::exchange(event_, {}));

@@ -20,7 +20,7 @@ struct ServerEvent {
 /// Bytes may be cut anywhere. Ids are not kept.
 class EventReader {
  public:
-  /// The events that these bytes complete.
+  /// The events that these bytes complete. An exception: a line has no end.
   std::vector<ServerEvent> take(std::string_view bytes);
 
  private:

@@ -99,10 +99,7 @@ int watch_status(const StatusCommand& command, std::ostream& out, std::ostream& 
       print_block(command, status, last_answer, out, errors);
     }
     worst = std::max(worst, status ? kExitDone : status.error().status);
-    if (!screen && !out) {
-      return kExitNotDone;  // nobody takes what is printed
-    }
-    if (done == command.times) {
+    if (done == command.times || (!screen && !out)) {  // or nobody takes what is printed
       return worst;
     }
     start = next_start(start, *command.every, steady_clock::now());
@@ -140,7 +137,11 @@ int run(const ReloadCommand& command, std::ostream& out, std::ostream& errors) {
   }
   const bool is_done = answer->status == kControlOk;
   for (const auto& message : messages->get_array()) {
-    (is_done ? out : errors) << visible_text(message.as_string(), "\n\t") << '\n';
+    const auto* const text = message.if_string();
+    (is_done ? out : errors) << visible_text(text != nullptr ? std::string_view(*text)
+                                                             : "a message of another version",
+                                             "\n\t")
+                             << '\n';
   }
   return is_done ? kExitDone : kExitNotDone;
 }

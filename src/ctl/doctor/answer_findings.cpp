@@ -83,8 +83,8 @@ std::string garbled_advice(const LinePlan& plan, const std::string& scan, bool o
 std::string nothing_advice(const LinePlan& plan, const Tally& tally, bool others_answer) {
   const auto scan = fmt::format("mbgatectl scan --device {} finds those that answer", plan.device);
   if (tally.others > 0 && tally.damaged() == 0) {
-    return "a device that answers with another address, or so late that another request had been "
-           "sent; or another client on this line";
+    return "a device whose answers have another address, function or length than they should, or "
+           "come so late that another request had been sent; or another client on this line";
   }
   if (tally.damaged() > 0) {
     return garbled_advice(plan, scan, others_answer);

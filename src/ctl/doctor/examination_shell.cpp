@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cerrno>
 #include <fmt/core.h>
 #include <functional>
 #include <ostream>
@@ -33,13 +34,13 @@ bool examine_from_outside(const std::string& device, const ReportFinding& report
 std::optional<SerialClient> take_port(LinePlan& plan, const ReportFinding& report) {
   auto client = SerialClient::open(plan.device);
   if (!client) {
-    report(is_held(plan.device, client.error())
+    report(client.error() == EBUSY
                ? held_finding(plan.device, find_lock_holders(plan.device))
-               : Finding{Judgement::fault, "port", client.error()});
+               : Finding{Judgement::fault, "port", port_failure(plan.device, client.error())});
     return std::nullopt;
   }
-  const auto holders =
-      is_pseudo_terminal(plan.device) ? std::vector<Holder>() : find_holders(plan.device);
+  const bool is_pty = is_pseudo_terminal(plan.device);
+  const auto holders = is_pty ? std::vector<Holder>() : find_holders(plan.device);
   report(free_finding(plan.device, holders));
   if (!holders.empty()) {
     return std::nullopt;  // not even its mode is ours to set
@@ -49,7 +50,7 @@ std::optional<SerialClient> take_port(LinePlan& plan, const ReportFinding& repor
   plan.adapter_delay = avoidable_delay(latency);
   report(latency_finding(latency));
   const auto refusal = client->set_mode(plan.mode);
-  report(settings_finding(plan.mode, refusal));
+  report(settings_finding(plan.mode, refusal, is_pty));
   return refusal ? std::nullopt : std::optional(*std::move(client));
 }
 

@@ -161,9 +161,13 @@ std::chrono::milliseconds avoidable_delay(const LatencyFacts& facts) {
   return std::chrono::milliseconds(shortened ? timer : 0);
 }
 
-Finding settings_finding(const LineMode& mode, const std::optional<std::string>& refusal) {
+Finding settings_finding(const LineMode& mode, const std::optional<std::string>& refusal,
+                         bool is_pseudo_terminal) {
   if (!refusal) {
-    return {Judgement::ok, "settings", mode_text(mode) + " is set and was read back"};
+    return {is_pseudo_terminal ? Judgement::unknown : Judgement::ok, "settings",
+            mode_text(mode) + (is_pseudo_terminal
+                                   ? " is set, but a pseudo-terminal has no parity to read back"
+                                   : " is set and was read back")};
   }
   return {Judgement::fault, "settings", mode_text(mode) + ": " + *refusal,
           "this adapter cannot do it: take another rate or parity, here and at the drives, or "

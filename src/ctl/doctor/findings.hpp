@@ -82,7 +82,8 @@ Finding latency_finding(const LatencyFacts& facts);
 std::chrono::milliseconds avoidable_delay(const LatencyFacts& facts);
 
 /// `refusal` is why the port cannot have the mode, none if it has it.
-Finding settings_finding(const LineMode& mode, const std::optional<std::string>& refusal);
+Finding settings_finding(const LineMode& mode, const std::optional<std::string>& refusal,
+                         bool is_pseudo_terminal);
 
 // Looks at a serial port from outside, as the system shows it: nothing is opened.
 

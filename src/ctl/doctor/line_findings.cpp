@@ -18,9 +18,10 @@ constexpr std::size_t kEnoughDoubled = 2;
 /// So many damaged answers, and no good one, are no accident.
 constexpr std::size_t kEnoughDamaged = 3;
 
-Finding full_echo_finding(const LinePlan& plan) {
+Finding full_echo_finding(const LinePlan& plan, bool any_answered) {
   Finding finding{Judgement::ok, "echo",
-                  "the port receives what it sends: each request came back before its answer"};
+                  fmt::format("the port receives what it sends: each request came back{}",
+                              any_answered ? " before its answer" : ", and no answer after it")};
   if (plan.echo == false) {
     finding.verdict = Judgement::fault;
     finding.seen += ", and the bus has echo = false";
@@ -154,7 +155,7 @@ std::optional<Finding> foreign_finding(const Unasked& before,
 Finding echo_finding(const LinePlan& plan, const std::vector<UnitTrials>& units) {
   const auto line = tally_of_line(tallies_of(units));
   if (line.echoes == line.asked) {
-    return full_echo_finding(plan);
+    return full_echo_finding(plan, line.answered > 0);
   }
   if (line.echoes > 0) {
     return {Judgement::fault, "echo",

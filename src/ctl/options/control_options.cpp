@@ -69,7 +69,7 @@ void add_status(CLI::App& app, const Choose& choose) {
       ->needs(watch)
       ->check(CLI::Range(1U, kMost));
   status->add_flag("--json", words->command.json, "for programs: one JSON object a line");
-  add_control(*status, words->command.socket);
+  add_control(*status, words->command.socket, true);
   status->callback([words, choose] {
     if (words->watch) {
       words->command.every = parse_time(words->every, kShortestPeriodOfStatus);
@@ -84,7 +84,7 @@ void add_reload(CLI::App& app, const Choose& choose) {
       "Have a running mbgated read its configuration again, and say what has changed or why it was "
       "refused.");
   const auto words = std::make_shared<ReloadCommand>();
-  add_control(*reload, words->socket);
+  add_control(*reload, words->socket, false);
   reload->callback([words, choose] { choose(*words); });
 }
 
@@ -93,7 +93,7 @@ void add_clear_counters(CLI::App& app, const Choose& choose) {
       "clear-counters",
       "Set all counters of a running mbgated to zero: those of lines, drives and requests.");
   const auto words = std::make_shared<ClearCountersCommand>();
-  add_control(*clear, words->socket);
+  add_control(*clear, words->socket, false);
   clear->callback([words, choose] { choose(*words); });
 }
 
@@ -102,7 +102,7 @@ void add_events(CLI::App& app, const Choose& choose) {
       "events", "Print what a running mbgated writes to the journal, as it is written.");
   const auto words = std::make_shared<EventsCommand>();
   events->add_flag("--json", words->json, "for programs: one JSON object a line");
-  add_control(*events, words->socket);
+  add_control(*events, words->socket, true);
   events->callback([words, choose] { choose(*words); });
 }
 
@@ -129,7 +129,7 @@ void add_trace(CLI::App& app, const Choose& choose) {
   trace->add_flag("--quiet", command.quiet, "with --pcapng: print nothing")->needs(pcapng);
   trace->add_option("--times", command.times, "end after this many records")
       ->check(CLI::Range(1U, kMost));
-  add_control(*trace, command.socket);
+  add_control(*trace, command.socket, true);
   trace->callback([words, choose] { choose(trace_of(*words)); });
 }
 

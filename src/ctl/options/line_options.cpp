@@ -135,9 +135,10 @@ void add_scan(CLI::App& app, const Choose& choose) {
       "scan",
       "Identify the device at every unit of a bus, through a transparent listener, and print a "
       "configuration to start from. Only reads (functions 01 to 04) are sent, one at a time. "
-      "Each unit that is absent costs the bus's response timeout, once more for each retry: "
-      "about 2 s with the defaults, a minute for 32 units. With --device a serial port is "
-      "scanned without a gateway, and its baud rate and parity are found.");
+      "Each unit that is absent takes a little longer than the bus's response timeout, 1 s by "
+      "default. A unit that the gateway takes for offline gets only short probes, and may be "
+      "missed: scan again when its drive has been on for some seconds. With --device a serial port "
+      "is scanned without a gateway, and its baud rate and parity are found.");
   const auto words = std::make_shared<ScanWords>();
   ScanCommand& command = words->command;
   scan->add_option("--units", words->units, "units to ask: 5 or 1-32 or 1-8,17");

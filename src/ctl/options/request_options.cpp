@@ -102,7 +102,8 @@ void add_read(CLI::App& app, const Choose& choose) {
   const auto words = std::make_shared<ReadWords>();
   ReadCommand& command = words->command;
   add_place(*read, words->where, {"coils", "discrete", "holding", "input"});
-  read->add_option("--count", command.count, "how many values; of a string, how many registers");
+  read->add_option("--count", command.count, "how many values; of a string, how many registers")
+      ->check(CLI::Range(1, 65536));
   auto* every =
       read->add_option("--every", words->every,
                        "repeat the read at this interval, such as 500ms, until interrupted");

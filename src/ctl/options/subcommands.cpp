@@ -7,7 +7,9 @@
 #include <sstream>
 
 #include "config/toml/toml_value.hpp"
+#include "ctl/control/connection_shell.hpp"
 #include "ctl/request/carry_out.hpp"
+#include "ctl/visible_text.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -19,7 +21,7 @@ constexpr std::uint16_t kTlsPort = 802;  // registered for Modbus/TCP Security
 std::chrono::nanoseconds parse_time(const std::string& text, std::chrono::milliseconds least) {
   const auto time = config::parse_duration(text);
   if (!time || *time < least) {
-    throw WrongUsage(fmt::format("\"{}\" is not a time of at least {}, like 500ms or 5s", text,
+    throw WrongUsage(fmt::format("\"{}\" is not a time from {} to 1000h, like 500ms or 5s", text,
                                  config::to_text(least)));
   }
   return *time;
@@ -57,12 +59,14 @@ void add_profile_folder(CLI::App& command, std::optional<std::filesystem::path>&
       ->check(CLI::ExistingDirectory);
 }
 
-void add_control(CLI::App& command, std::string& socket) {
+void add_control(CLI::App& command, std::string& socket, bool only_reads) {
   command
       .add_option("--control", socket,
-                  "the control socket of mbgated, its [http] socket; or, to read, "
-                  "tcp://HOST:PORT, one of its [http] listen")
-      ->type_name("PLACE");
+                  only_reads ? "the control socket, or tcp://HOST:PORT, an address in listen of "
+                               "[http]"
+                             : "the control socket")
+      ->type_name("PLACE")
+      ->check(&wrong_place);
 }
 
 Target target_of(const ServerWords& words) {
@@ -136,6 +140,11 @@ std::variant<Command, Notice> parse_command_line(const std::string& version, int
   } catch (const WrongUsage& error) {
     return Notice{kExitUsage, fmt::format("mbgatectl: {}\n", error.what())};
   } catch (const CLI::ParseError& error) {
+    const auto words = app.remaining();
+    if (app.get_subcommands().empty() && !words.empty() && !words.front().starts_with('-')) {
+      return Notice{kExitUsage, fmt::format("mbgatectl: there is no subcommand {}\n",
+                                            visible_text(words.front()))};
+    }
     std::ostringstream text;
     const int status = app.exit(error, text, text);
     return Notice{status == 0 ? kExitDone : kExitUsage,

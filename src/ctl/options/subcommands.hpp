@@ -78,8 +78,8 @@ struct ServerWords {
 void add_server(CLI::App& command, ServerWords& words);
 void add_tls(CLI::App& command, ServerWords& words);
 void add_profile_folder(CLI::App& command, std::optional<std::filesystem::path>& folder);
-/// --control: where mbgated is asked.
-void add_control(CLI::App& command, std::string& socket);
+/// --control: where mbgated is asked; over TCP only by what only reads.
+void add_control(CLI::App& command, std::string& socket, bool only_reads);
 
 /// The server; its unit is not set.
 Target target_of(const ServerWords& words);

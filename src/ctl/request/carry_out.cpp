@@ -23,7 +23,9 @@ std::string_view meaning(std::uint8_t code) {
     case 0x03: return "the device refuses the value or the number of values";
     case 0x04: return "the device failed while it carried the request out";
     case 0x05: return "the device has accepted the request and is still working on it";
-    case 0x06: return "the request was not carried out: gateway or device is busy; try again";
+    case 0x06:
+      return "the request was not carried out: gateway or device is busy, or it was a write to a "
+             "device that does not answer; try again";
     case 0x08: return "the device's memory has a parity error";
     case 0x0A:
       return "never transmitted (a broadcast: not on each of its buses): no route, no such device, "
@@ -67,7 +69,7 @@ int repeat_read(const ReadCommand& command, const modbus::Request& request, std:
       return kExitDone;
     }
     if (last) {
-      return out ? status : kExitNotDone;
+      return status;
     }
   }
 }
@@ -75,7 +77,12 @@ int repeat_read(const ReadCommand& command, const modbus::Request& request, std:
 }  // namespace
 
 int carry_out(const Command& command, std::ostream& out, std::ostream& errors) {
-  return std::visit([&](const auto& it) { return run(it, out, errors); }, command);
+  const int status = std::visit([&](const auto& it) { return run(it, out, errors); }, command);
+  if (status == kExitDone && !out.flush()) {
+    errors << "mbgatectl: done, but the result cannot be written to standard output\n";
+    return kExitNotDone;
+  }
+  return status;
 }
 
 int run(const WriteCommand& command, std::ostream& out, std::ostream& errors) {

@@ -12,6 +12,7 @@
 
 #include "base/text.hpp"
 #include "config/toml/toml_value.hpp"
+#include "ctl/control/connection_shell.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "modbus/codes.hpp"
 #include "modbus/mbap.hpp"
@@ -27,13 +28,21 @@ void set_timeout(modbus_t& context, const Target& target) {
       std::chrono::duration_cast<std::chrono::microseconds>(target.timeout).count();
   modbus_set_response_timeout(&context, static_cast<std::uint32_t>(microseconds / 1'000'000),
                               static_cast<std::uint32_t>(microseconds % 1'000'000));
+  modbus_set_byte_timeout(&context, 0, 0);  // the first timeout is for the whole response
 }
 
-std::string misfit_text(modbus::ResponseFit fit) {
-  switch (fit) {
+std::string misfit_text(const modbus::Request& request, modbus::Bytes response) {
+  const modbus::Bytes sent = request.pdu().bytes();
+  switch (modbus::check_response(request, response)) {
     case modbus::ResponseFit::wrong_function: return "it has another function";
     case modbus::ResponseFit::wrong_length: return "its length is wrong";
-    case modbus::ResponseFit::wrong_echo: return "it repeats another address, value or quantity";
+    case modbus::ResponseFit::wrong_echo:
+      if (request.is_read() || response.size() != sent.size() ||
+          modbus::load_be16(response, 1) != modbus::load_be16(sent, 1)) {
+        return "it repeats another address, value or quantity";
+      }
+      return fmt::format("it has the value {}, not {} (some drives limit what is written)",
+                         modbus::load_be16(response, 3), modbus::load_be16(sent, 3));
     case modbus::ResponseFit::normal:
     case modbus::ResponseFit::exception: break;
   }
@@ -68,32 +77,33 @@ std::optional<std::string> Connection::open() {
   }
   close();
   const std::string prefix = fmt::format("cannot connect to {}: ", endpoint_text(target_));
+  sys::UniqueFd socket;
   if (target_.tls) {
     auto tunnel = TlsTunnel::open(target_.host, target_.port, target_.timeout, *target_.tls);
     if (!tunnel) {
       return prefix + tunnel.error();
     }
     tunnel_ = *std::move(tunnel);
-  } else if (const auto found = find_places(target_.host, target_.port); !found) {
-    // libmodbus would report an unknown host as a refused connection.
-    return prefix + found.error();
+    socket.reset(tunnel_->take_socket());
+  } else {
+    auto connected = connect_tcp({target_.host, target_.port},
+                                 std::chrono::steady_clock::now() + target_.timeout);
+    if (!connected) {
+      return prefix + connected.error();
+    }
+    socket = *std::move(connected);
   }
   Context context(modbus_new_tcp_pi(target_.host.c_str(), std::to_string(target_.port).c_str()));
   if (!context) {
     return prefix + modbus_strerror(errno);
   }
   set_timeout(*context, target_);
-  if (tunnel_) {  // libmodbus knows no TLS: it gets one end of the tunnel as its socket
-    modbus_set_socket(context.get(), tunnel_->take_socket());
-  } else if (modbus_connect(context.get()) != 0) {
-    return prefix + (errno == ETIMEDOUT ? "no answer within " + config::to_text(target_.timeout)
-                                        : std::string(modbus_strerror(errno)));
-  }
+  modbus_set_socket(context.get(), socket.release());
   context_ = std::move(context);
   return std::nullopt;
 }
 
-std::string Connection::failure(int error, const modbus::Request& request) const {
+std::string Connection::failure(int error) const {
   std::string text = endpoint_text(target_);
   switch (error) {
     case ETIMEDOUT:
@@ -107,7 +117,7 @@ std::string Connection::failure(int error, const modbus::Request& request) const
     }
     default: text += fmt::format(": {}", modbus_strerror(error)); break;
   }
-  return request.is_read() ? text : text + "; the write may have been done";
+  return text;
 }
 
 Result<modbus::Pdu, std::string> Connection::receive(const modbus::Request& request) {
@@ -116,26 +126,28 @@ Result<modbus::Pdu, std::string> Connection::receive(const modbus::Request& requ
   outgoing.insert(outgoing.end(), pdu.begin(), pdu.end());
   if (modbus_send_raw_request(context_.get(), outgoing.data(), static_cast<int>(outgoing.size())) <
       0) {
-    return failure(errno, request);
+    return failure(errno);
   }
   std::array<std::uint8_t, MODBUS_TCP_MAX_ADU_LENGTH> incoming{};
   const int size = modbus_receive_confirmation(context_.get(), incoming.data());
   if (size < 0) {
-    return failure(errno, request);
+    return failure(errno);
   }
   const std::string misfit =
       fmt::format("the response of {} does not fit the request: ", endpoint_text(target_));
   const auto scan =
-      modbus::scan_mbap(modbus::Bytes(incoming).first(static_cast<std::size_t>(size)));
+      modbus::scan_mbap_answer(modbus::Bytes(incoming).first(static_cast<std::size_t>(size)));
   const auto* frame = std::get_if<modbus::MbapFrame>(&scan);
   if (frame == nullptr) {
     return misfit + "it is not a Modbus TCP response";
   }
+  if (frame->adu.header.transaction != 0) {  // that of libmodbus' raw requests
+    return misfit + "it has another transaction identifier";
+  }
   if (frame->adu.header.unit != target_.unit) {
     return fmt::format("{}it is from unit {}", misfit, frame->adu.header.unit);
   }
-  if (auto why = misfit_text(modbus::check_response(request, frame->adu.pdu.bytes()));
-      !why.empty()) {
+  if (auto why = misfit_text(request, frame->adu.pdu.bytes()); !why.empty()) {
     return misfit + why;
   }
   return frame->adu.pdu;
@@ -143,10 +155,11 @@ Result<modbus::Pdu, std::string> Connection::receive(const modbus::Request& requ
 
 Result<modbus::Pdu, std::string> Connection::exchange(const modbus::Request& request) {
   auto response = receive(request);
-  if (!response) {
-    close();
+  if (response) {
+    return response;
   }
-  return response;
+  close();
+  return response.error() + (request.is_read() ? "" : "; the write may have been done");
 }
 
 Result<modbus::Pdu, Failure> Connection::ask(const modbus::Request& request) {

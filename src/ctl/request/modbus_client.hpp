@@ -51,7 +51,7 @@ class Connection {
   using Context = std::unique_ptr<_modbus, Free>;
 
   Result<modbus::Pdu, std::string> receive(const modbus::Request& request);
-  [[nodiscard]] std::string failure(int error, const modbus::Request& request) const;
+  [[nodiscard]] std::string failure(int error) const;
   void close();
 
   Target target_;

@@ -85,7 +85,7 @@ PortScan scan_port(const ScanCommand& command, const Catalogue& catalogue, std::
   PortScan scan;
   auto opened = SerialClient::open(port.device);
   if (!opened) {
-    scan.result.error = opened.error();
+    scan.result.error = port_failure(port.device, opened.error());
     return scan;
   }
   Sweep sweep({port, command.units});

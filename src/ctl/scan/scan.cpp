@@ -11,7 +11,7 @@
 namespace mbgate::ctl {
 namespace {
 
-constexpr unsigned kLastUnit = 247;  // Serial Line V1.02, 2.2
+constexpr unsigned kLastUnit = 254;  // as a [[device]]
 /// A busy gateway or device is asked so often.
 constexpr int kTries = 3;
 /// Each silence costs the bus a timeout and its repetitions.
@@ -113,7 +113,7 @@ Result<std::vector<std::uint8_t>, std::string> parse_units(std::string_view text
     return add_range({part.begin(), part.end()}, units);
   });
   if (!is_list || units.empty()) {
-    return fmt::format("\"{}\" is not a list of units: 1 to 247, like 5 or 1-32 or 1-8,17", text);
+    return fmt::format("\"{}\" is not a list of units: 1 to 254, like 5 or 1-32 or 1-8,17", text);
   }
   return std::vector<std::uint8_t>(units.begin(), units.end());
 }

@@ -48,7 +48,7 @@ ScanResult scan_units(const std::vector<std::uint8_t>& units, const Catalogue& c
 /// The answer of the device or of the gateway, as the scan classifies it.
 Answer answer_of(const modbus::TableRange& read, const modbus::Pdu& response);
 
-/// "1-32", "1,5,17-20": units 1 to 247. The result is in ascending order, each unit once. The error
+/// "1-32", "1,5,17-20": units 1 to 254. The result is in ascending order, each unit once. The error
 /// is a full sentence.
 Result<std::vector<std::uint8_t>, std::string> parse_units(std::string_view text);
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <fmt/format.h>
 
@@ -103,18 +104,30 @@ std::string order_lines(const Identification& found) {
   return found.likely.size() == 1 ? line + "\n" : fmt::format("# {}  # as read\n", line);
 }
 
+/// None where the profile has a timeout that the answers kept.
+std::string timeout_line(const FoundUnit& unit) {
+  const auto& likely = unit.identification.likely;
+  const auto is_enough = [&](const auto* file) {
+    return file->profile.response_timeout >= unit.slowest;
+  };
+  if (!likely.empty() && std::ranges::all_of(likely, is_enough)) {
+    return {};
+  }
+  const auto slowest = std::chrono::ceil<std::chrono::milliseconds>(unit.slowest);
+  return fmt::format("response_timeout = {}  # it took up to {}, seen from here\n",
+                     in_quotes(config::to_text(sensible_timeout(unit.slowest))),
+                     config::to_text(slowest));
+}
+
 std::string device(const FoundUnit& unit, const std::string& bus) {
   const auto& found = unit.identification;
-  const auto slowest = std::chrono::ceil<std::chrono::milliseconds>(unit.slowest);
   return fmt::format(R"({}[[device]]
 name = "unit-{}"
 bus = {}
 address = {}
-{}{}response_timeout = {}  # it took up to {}, seen from here
-)",
+{}{})",
                      source_of(unit), unit.unit, in_quotes(bus), unit.unit, profile_lines(found),
-                     order_lines(found), in_quotes(config::to_text(sensible_timeout(unit.slowest))),
-                     config::to_text(slowest));
+                     order_lines(found));
 }
 
 std::string route(const FoundUnit& unit) {
@@ -126,10 +139,12 @@ std::string route(const FoundUnit& unit) {
              : "# word_order = \"big\"  # once the choice above is made: what the clients see\n");
 }
 
-std::string units(const std::string& bus, const std::vector<FoundUnit>& found) {
+/// Through a gateway, its queue would be in the times.
+std::string units(const std::string& bus, const std::vector<FoundUnit>& found, bool is_timed) {
   std::string text;
   for (const auto& unit : found) {
-    text += fmt::format("\n{}\n{}", device(unit, bus), route(unit));
+    text += fmt::format("\n{}{}\n{}", device(unit, bus), is_timed ? timeout_line(unit) : "",
+                        route(unit));
   }
   return text;
 }
@@ -139,12 +154,12 @@ std::string units(const std::string& bus, const std::vector<FoundUnit>& found) {
 std::string starting_config(const Target& target, const std::string& bus,
                             const std::vector<FoundUnit>& found) {
   return head(fmt::format("{}, port {}", target.host, target.port), bus) + kLineToChoose +
-         units(bus, found);
+         units(bus, found, false);
 }
 
 std::string starting_config(const FoundLine& line, const std::string& bus,
                             const std::vector<FoundUnit>& found) {
-  return head(line.device, bus) + line_as_found(line) + units(bus, found);
+  return head(line.device, bus) + line_as_found(line) + units(bus, found, true);
 }
 
 }  // namespace mbgate::ctl

@@ -125,7 +125,8 @@ std::string sweep_announcement(const SweepPlan& plan) {
     text += fmt::format(" in {}, {} first", counted(plan.port.modes.size(), "mode"),
                         mode_text(plan.port.modes.front()));
   }
-  return fmt::format("{}: {} at most; only reads are sent", text, config::to_text(most));
+  return fmt::format("{}: {} at most, and some seconds for each that answers; only reads are sent",
+                     text, config::to_text(most));
 }
 
 std::vector<std::string> sweep_notes(const Sweep& sweep) {

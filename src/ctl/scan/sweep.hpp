@@ -68,7 +68,8 @@ class Sweep {
 /// full of noise takes more.
 std::chrono::nanoseconds longest(const SweepPlan& plan);
 
-/// "asking 32 units at /dev/ttyUSB0 in 15 modes, 9600 8E1 first: 58s at most; only reads are sent"
+/// "asking 32 units at /dev/ttyUSB0 in 15 modes, 9600 8E1 first: 58s at most, and some seconds for
+/// each that answers; only reads are sent"
 std::string sweep_announcement(const SweepPlan& plan);
 
 /// What was heard beside answers, what was not tried, and other modes with answers: a sentence

@@ -24,7 +24,7 @@ std::optional<std::size_t> whole_size(Bytes rest, const PduLength& length) {
 
 std::optional<BusFrame> frame_at(Bytes heard, std::size_t begin) {
   const auto rest = heard.subspan(begin);
-  if (rest.size() < modbus::kMinRtuSize || rest[0] > modbus::kMaxDeviceAddress) {
+  if (rest.size() < modbus::kMinRtuSize) {
     return std::nullopt;
   }
   const auto request = whole_size(rest, modbus::request_length(rest.subspan(1)));

@@ -47,7 +47,7 @@ std::string gone_text(const std::string& device, int error) {
 
 }  // namespace
 
-Result<SerialClient, std::string> SerialClient::open(const std::string& device) {
+Result<SerialClient, int> SerialClient::open(const std::string& device) {
   auto port = SerialPort::open(device);
   if (!port) {
     return port.error();

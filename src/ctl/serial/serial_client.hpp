@@ -40,8 +40,8 @@ struct Piece {
 
 class SerialClient {
  public:
-  /// Opens the port and locks it; the error is a full sentence. set_mode() comes next.
-  static Result<SerialClient, std::string> open(const std::string& device);
+  /// Opens the port and locks it; the error is for port_failure(). set_mode() comes next.
+  static Result<SerialClient, int> open(const std::string& device);
 
   /// Why the port cannot have this mode, or nothing.
   std::optional<std::string> set_mode(const LineMode& mode);

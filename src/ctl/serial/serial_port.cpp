@@ -14,13 +14,6 @@
 namespace mbgate::ctl {
 namespace {
 
-std::string held_text(const std::string& device) {
-  return fmt::format(
-      "a gateway or another program holds {}: stop it first (systemctl stop mbgated), or scan "
-      "through it with --host and --port",
-      device);
-}
-
 sys::TtyMode raw_mode(const LineMode& mode) {
   const auto parity = mode.format.parity == modbus::Parity::none   ? sys::TtyParity::none
                       : mode.format.parity == modbus::Parity::even ? sys::TtyParity::even
@@ -66,11 +59,10 @@ SerialPort::~SerialPort() {
   sys::release_tty(fd_.get());
 }
 
-Result<SerialPort, std::string> SerialPort::open(const std::string& device) {
+Result<SerialPort, int> SerialPort::open(const std::string& device) {
   sys::UniqueFd fd = sys::open_tty(device);
   if (!fd.is_open()) {
-    const int error = errno;  // before the names are looked up
-    return port_failure(device, error, paths_in());
+    return errno;
   }
   return SerialPort(std::move(fd));
 }
@@ -98,7 +90,11 @@ std::optional<std::string> SerialPort::set_mode(const LineMode& mode) {
 std::string port_failure(const std::string& device, int error,
                          const std::vector<std::string>& names) {
   switch (error) {
-    case EBUSY: return held_text(device);
+    case EBUSY:
+      return fmt::format(
+          "a gateway or another program holds {}: stop it first (systemctl stop mbgated), or scan "
+          "through it with --host and --port",
+          device);
     case ENOTTY: return device + ": this is not a serial port";
     case EACCES:
       return fmt::format(
@@ -113,10 +109,6 @@ std::string port_failure(const std::string& device, int error,
     default:
       return fmt::format("cannot open {}: {}", device, std::generic_category().message(error));
   }
-}
-
-bool is_held(const std::string& device, const std::string& error) {
-  return error == held_text(device);
 }
 
 std::vector<std::string> paths_in(const std::string& folder) {

@@ -37,8 +37,8 @@ inline constexpr const char* kSerialNames = "/dev/serial/by-id";
 
 class SerialPort {
  public:
-  /// Opens the port and locks it; its mode is that of before. The error is a full sentence.
-  static Result<SerialPort, std::string> open(const std::string& device);
+  /// Opens the port and locks it; its mode is that of before. The error is for port_failure().
+  static Result<SerialPort, int> open(const std::string& device);
 
   SerialPort(SerialPort&&) = default;
   SerialPort& operator=(SerialPort&&) = delete;
@@ -58,16 +58,13 @@ class SerialPort {
   std::optional<sys::TtySettings> before_{};  ///< once the mode was set
 };
 
-/// What to say where open() of `device` has failed with `error`. `names` are those of the ports
-/// that there are.
-std::string port_failure(const std::string& device, int error,
-                         const std::vector<std::string>& names);
-
-/// Is `error`, of SerialPort::open() of `device`, that another program holds it?
-[[nodiscard]] bool is_held(const std::string& device, const std::string& error);
-
 /// The paths in `folder`, by default the lasting names of serial ports; sorted.
 std::vector<std::string> paths_in(const std::string& folder = kSerialNames);
+
+/// What to say where open() of `device` has failed with `error`; EBUSY: another program holds it.
+/// `names` are those of the ports that there are.
+std::string port_failure(const std::string& device, int error,
+                         const std::vector<std::string>& names = paths_in());
 
 /// The path among `names` that leads to the same port as `device` and is another one: it stays the
 /// same where adapters are plugged in otherwise.

@@ -29,20 +29,6 @@ using sys::expect_openssl;
 constexpr int kOwnAlerts = SSL_AD_REASON_OFFSET;
 constexpr const char* kClosed = "the server closed the connection";
 
-Result<sys::UniqueFd, std::string> connect_tcp(const std::string& host, std::uint16_t port,
-                                               Deadline deadline) {
-  const auto places = find_places(host, port);
-  if (!places) {
-    return places.error();
-  }
-  auto socket = connected_socket(places->get(), {deadline, {}});
-  if (!socket) {
-    return socket.error() == boost::system::errc::timed_out ? "no answer in time"
-                                                            : socket.error().message();
-  }
-  return *std::move(socket);
-}
-
 /// Our certificate, our key and whom we trust; or which file is wrong, and why.
 std::optional<std::string> load(SSL_CTX& context, const TlsIdentity& identity) {
   if (SSL_CTX_load_verify_file(&context, identity.authorities.c_str()) != 1) {
@@ -133,17 +119,6 @@ std::optional<std::string> shake_hands(const sys::TlsStream& stream, sys::TlsPum
 
 }  // namespace
 
-Result<Places, std::string> find_places(const std::string& host, std::uint16_t port) {
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* first = nullptr;
-  const int unknown = ::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &first);
-  if (unknown != 0) {
-    return std::string(::gai_strerror(unknown));
-  }
-  return Places(first);
-}
-
 Result<std::unique_ptr<TlsTunnel>, std::string> TlsTunnel::open(const std::string& host,
                                                                 std::uint16_t port,
                                                                 std::chrono::nanoseconds timeout,
@@ -154,7 +129,7 @@ Result<std::unique_ptr<TlsTunnel>, std::string> TlsTunnel::open(const std::strin
   if (auto why = load(*context, identity)) {
     return *std::move(why);
   }
-  auto socket = connect_tcp(host, port, deadline);
+  auto socket = connect_tcp({host, port}, deadline);
   if (!socket) {
     return socket.error();
   }

@@ -3,8 +3,6 @@
 // authentication, as Modbus/TCP Security has it.
 #pragma once
 
-#include <netdb.h>
-
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -21,10 +19,6 @@
 #include "sys/unique_fd.hpp"
 
 namespace mbgate::ctl {
-
-/// What the host and the port stand for; the error is that of the system.
-using Places = std::unique_ptr<addrinfo, sys::FreeWith<::freeaddrinfo>>;
-Result<Places, std::string> find_places(const std::string& host, std::uint16_t port);
 
 using Deadline = std::chrono::steady_clock::time_point;
 

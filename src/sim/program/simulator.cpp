@@ -77,7 +77,6 @@ bool Simulator::connect() {
     output_ << std::visit([](const auto& bus) { return bus.introduction(); }, any) << '\n';
   }
   output_ << "ready\n" << std::flush;
-  connected_ = true;
   return true;
 }
 
@@ -85,7 +84,6 @@ void Simulator::disconnect() {
   for (AnyBus& any : buses_) {
     std::visit([](auto& bus) { bus.disconnect(); }, any);
   }
-  connected_ = false;
 }
 
 void Simulator::serve_once() {

@@ -47,7 +47,6 @@ class Simulator {
   std::optional<Instant> armed_for_;
   std::optional<Instant> reopen_at_;
   Instant release_at_{};
-  bool connected_ = false;
   bool failed_ = false;
   bool stopping_ = false;
 };

@@ -68,9 +68,9 @@ TEST(CommandLine, ReadIsRepeatedOnRequest) {
   EXPECT_TRUE(read.json);
   EXPECT_EQ(command<ReadCommand>("read holding 0 --every 10ms").times, std::nullopt);
   EXPECT_EQ(complaint("read holding 0 --every 9ms"),
-            "mbgatectl: \"9ms\" is not a time of at least 10ms, like 500ms or 5s");
+            "mbgatectl: \"9ms\" is not a time from 10ms to 1000h, like 500ms or 5s");
   EXPECT_EQ(complaint("read holding 0 --every 1"),
-            "mbgatectl: \"1\" is not a time of at least 10ms, like 500ms or 5s");
+            "mbgatectl: \"1\" is not a time from 10ms to 1000h, like 500ms or 5s");
   EXPECT_EQ(complaint("read holding 0 --times 3"), "mbgatectl: --times requires --every");
   // CLI11 has other words for the range from version to version.
   EXPECT_THAT(
@@ -165,15 +165,17 @@ TEST(CommandLine, WrongWordsAreNamed) {
             "mbgatectl: \"65536\" is not an address, 0 to 65535 or 0x0 to 0xFFFF");
   EXPECT_EQ(complaint("write holding 0 70000"), "mbgatectl: \"70000\" is outside u16, 0 to 65535");
   EXPECT_EQ(complaint("read holding 0 --timeout 5"),
-            "mbgatectl: \"5\" is not a time of at least 1ms, like 500ms or 5s");
+            "mbgatectl: \"5\" is not a time from 1ms to 1000h, like 500ms or 5s");
   EXPECT_EQ(complaint("read holding 0 --timeout 0s"),
-            "mbgatectl: \"0s\" is not a time of at least 1ms, like 500ms or 5s");
+            "mbgatectl: \"0s\" is not a time from 1ms to 1000h, like 500ms or 5s");
   EXPECT_THAT(complaint("read holding 0 --type u8"), StartsWith("mbgatectl: --type: u8 not in "));
   EXPECT_THAT(complaint("read holding 0 --unit 256"), StartsWith("mbgatectl: --unit: "));
   EXPECT_THAT(complaint("read holding 0 --port 0"), StartsWith("mbgatectl: --port: "));
   EXPECT_EQ(complaint("write holding 0"), "mbgatectl: value is required");
   EXPECT_EQ(complaint("read holding"), "mbgatectl: address is required");
   EXPECT_EQ(complaint(""), "mbgatectl: A subcommand is required");
+  EXPECT_EQ(complaint("foo --json"), "mbgatectl: there is no subcommand foo");
+  EXPECT_THAT(complaint("read holding 0 --count -1"), StartsWith("mbgatectl: --count: "));
   EXPECT_THAT(complaint("read holding 0 --colour red"), HasSubstr("--colour"));
 }
 
@@ -212,7 +214,7 @@ TEST(CommandLine, StatusIsWatchedEverySecondUnlessToldOtherwise) {
   EXPECT_EQ(watch.times, 3U);
   EXPECT_EQ(watch.socket, "c");
   EXPECT_EQ(complaint("status --watch --every 99ms"),
-            "mbgatectl: \"99ms\" is not a time of at least 100ms, like 500ms or 5s");
+            "mbgatectl: \"99ms\" is not a time from 100ms to 1000h, like 500ms or 5s");
   EXPECT_EQ(complaint("status --every 1s"), "mbgatectl: --every requires --watch");
   EXPECT_EQ(complaint("status --times 3"), "mbgatectl: --times requires --watch");
 }
@@ -220,6 +222,8 @@ TEST(CommandLine, StatusIsWatchedEverySecondUnlessToldOtherwise) {
 TEST(CommandLine, CountersAreClearedOverMbgatedsSocket) {
   EXPECT_EQ(command<ClearCountersCommand>("clear-counters").socket, "/run/mbgate/control");
   EXPECT_EQ(command<ClearCountersCommand>("clear-counters --control c").socket, "c");
+  EXPECT_THAT(complaint("clear-counters --control tcp://x"),
+              StartsWith("mbgatectl: --control: tcp://x: expected a host and a port"));
 }
 
 TEST(CommandLine, EventsAreAskedOfMbgatedsSocket) {

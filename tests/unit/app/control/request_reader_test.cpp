@@ -93,8 +93,16 @@ TEST_F(RequestReaderTest, RefusesALongOneByItsHead) {
   EXPECT_EQ(incoming->refusal->status, http::status::payload_too_large);
 }
 
+TEST_F(RequestReaderTest, RefusesWhatIsNoHttp) {
+  const Incoming incoming = read("hello\r\n\r\n");
+  ASSERT_TRUE(incoming && incoming->refusal);
+  EXPECT_EQ(incoming->refusal->status, http::status::bad_request);
+}
+
 TEST_F(RequestReaderTest, EndsWhatHasNoEnd) {
-  EXPECT_FALSE(read("GET / HTTP/1.1\r\nA: ", std::string(1024, 'x')));
+  const Incoming incoming = read("GET / HTTP/1.1\r\nA: ", std::string(1024, 'x'));
+  ASSERT_TRUE(incoming && incoming->refusal);
+  EXPECT_EQ(incoming->refusal->status, http::status::request_header_fields_too_large);
   EXPECT_LT(sent(), std::size_t{1} << 20);
 }
 

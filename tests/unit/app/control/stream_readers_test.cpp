@@ -8,6 +8,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/local/connect_pair.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/write.hpp>
 #include <functional>
 #include <memory>
 #include <string>
@@ -84,6 +85,15 @@ TEST_F(StreamReadersTest, EndWithTheirConnectionWhoeverClosesIt) {
   stream_->close();
   settle();
   EXPECT_TRUE(has_ended_);
+}
+
+TEST_F(StreamReadersTest, EndWithAClientThatHasSentMore) {
+  boost::asio::write(far_, boost::asio::buffer("more"));
+  settle();
+  EXPECT_FALSE(has_ended_);
+  far_.close();
+  settle();
+  EXPECT_TRUE(has_ended_);  // at once, not with the next comment
 }
 
 TEST_F(StreamReadersTest, EndWithTheirClient) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "app/control/control_answers.hpp"
+
 namespace mbgate::app {
 namespace {
 
@@ -15,6 +17,16 @@ http::request_header<> request(http::verb method, const std::string& host) {
   asked.version(11);
   asked.set(http::field::host, host);
   return asked;
+}
+
+TEST(PathOf, IsTheSameInEitherFormOfATarget) {
+  auto asked = request(http::verb::get, "gateway");
+  for (const char* target : {"/healthz", "/healthz?a", "http://gateway:8080/healthz?a=/"}) {
+    asked.target(target);
+    EXPECT_EQ(path_of(asked), "/healthz");
+  }
+  asked.target("http://gateway");
+  EXPECT_EQ(path_of(asked), "");
 }
 
 TEST(TcpRules, TakeAddressesAndLocalhostForThisMachine) {

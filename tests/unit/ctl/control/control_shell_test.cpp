@@ -11,7 +11,12 @@
 #include <array>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <future>
+#include <sstream>
+
+#include "ctl/control/connection_shell.hpp"
+#include "ctl/request/carry_out.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -68,6 +73,36 @@ TEST_F(ControlShell, GivesTheAnswer) {
   ASSERT_TRUE(answer) << answer.error();
   EXPECT_EQ(answer->status, 200U);
   EXPECT_EQ(answer->json.at("status").as_string(), "ok");
+}
+
+TEST_F(ControlShell, TakesALongAnswer) {
+  const std::string json = R"({"status":")" + std::string(9'000'000, 'x') + "\"}";
+  const auto request = serve("HTTP/1.1 200 OK\r\nContent-Length: " + std::to_string(json.size()) +
+                             "\r\n\r\n" + json);
+  EXPECT_TRUE(ask_control(path_, "GET", "/api/v1/status", kAnswerLimit));
+}
+
+TEST_F(ControlShell, SaysWhatIsNotASocket) {
+  const auto file = folder_ / "file";
+  std::ofstream(file) << "text";
+  EXPECT_EQ(ask_control(file, "GET", "/healthz", kAnswerLimit).error(),
+            file.string() + ": this is not a socket");
+}
+
+TEST_F(ControlShell, ReloadsAlsoWhereMessagesAreNoTexts) {
+  const auto request = serve("HTTP/1.1 200 OK\r\nContent-Length: 16\r\n\r\n{\"messages\":[1]}");
+  std::ostringstream out;
+  std::ostringstream errors;
+  EXPECT_EQ(run(ReloadCommand{path_}, out, errors), kExitDone);
+  EXPECT_EQ(out.str(), "a message of another version\n");
+}
+
+TEST_F(ControlShell, SaysThatACommandMayStillBeDone) {
+  const std::chrono::seconds none{0};
+  EXPECT_EQ(ask_control(path_, "POST", "/api/v1/reload", none).error(),
+            "mbgated has not answered within 0 s; it may still be done");
+  EXPECT_EQ(ask_control(path_, "GET", "/api/v1/status", none).error(),
+            "mbgated has not answered within 0 s");
 }
 
 TEST_F(ControlShell, FollowsAnAnswerUntilItEnds) {
@@ -142,7 +177,7 @@ TEST(ControlPlace, OfTcpHasAHostAndAPort) {
         "tcp://gateway:65536", "tcp://::1:8080", "tcp://[::1]", "tcp://[gateway]:8080",
         "tcp://gateway:8080/", "tcp://me@gateway:8080"}) {
     EXPECT_EQ(
-        ask_control(place, "GET", "/healthz", kAnswerLimit).error(),
+        wrong_place(place),
         place + ": expected a host and a port, such as tcp://127.0.0.1:8080 or tcp://[::1]:8080");
   }
 }

@@ -39,6 +39,12 @@ TEST(EventReader, TakesNoEventThatHasNotEnded) {
   EXPECT_TRUE(reader.take("event: journal\ndata: {}\n").empty());
 }
 
+TEST(EventReader, TakesNoLineWithoutEnd) {
+  EventReader reader;
+  reader.take(std::string(1 << 20, 'x'));
+  EXPECT_ANY_THROW(reader.take("x"));
+}
+
 /// The time zone is one that has no summer time and that no machine has by chance.
 class EventLine : public testing::Test {
  protected:

@@ -111,8 +111,9 @@ TEST(AnswerFindings, NameTheCausesOfAnotherFrame) {
   EXPECT_EQ(only_finding(trials(3, {HeardKind::other_frame})),
             (Finding{Judgement::fault, "answers of unit 3",
                      "no answer to 3 requests: 3 with a frame that is not the answer",
-                     "a device that answers with another address, or so late that another request "
-                     "had been sent; or another client on this line"}));
+                     "a device whose answers have another address, function or length than they "
+                     "should, or come so late that another request had been sent; or another "
+                     "client on this line"}));
 }
 
 TEST(AnswerFindings, LeaveTheResponseWaitOutOfTheTimeout) {

@@ -38,6 +38,15 @@ TEST(EchoFinding, IsAFaultOnlyWhereTheConfigurationSaysOtherwise) {
                      R"(set echo = true or "auto")"}));
 }
 
+TEST(EchoFinding, SaysThatNothingButTheRequestsCameBack) {
+  Trial trial;
+  trial.echo = true;
+  EXPECT_EQ(echo_of(true, trials(2, trial)),
+            (Finding{Judgement::ok, "echo",
+                     "the port receives what it sends: each request came back, and no answer "
+                     "after it"}));
+}
+
 TEST(EchoFinding, MissesAnEchoOnlyWhereSomethingIsHeard) {
   const std::string seen = "no request came back to the port, but the bus has echo = true";
   EXPECT_EQ(echo_of(true, trials(2, without_echo())),

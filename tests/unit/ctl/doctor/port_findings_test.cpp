@@ -142,12 +142,18 @@ TEST(AvoidableDelay, IsTheTimerThatAGatewayShortens) {
   EXPECT_EQ(avoidable_delay({"/dev/ttyS0"}), milliseconds(0));
 }
 
+TEST(SettingsFinding, CannotSayTheParityOfAPseudoTerminal) {
+  EXPECT_EQ(settings_finding({modbus::Baud{19200}, {}}, std::nullopt, true),
+            (Finding{Judgement::unknown, "settings",
+                     "19200 8E1 is set, but a pseudo-terminal has no parity to read back"}));
+}
+
 TEST(SettingsFinding, SaysWhyThePortCannotHaveTheMode) {
   const LineMode mode{modbus::Baud{250000}, {8, modbus::Parity::odd, 1}};
-  EXPECT_EQ(settings_finding(mode, std::nullopt),
+  EXPECT_EQ(settings_finding(mode, std::nullopt, false),
             (Finding{Judgement::ok, "settings", "250000 8O1 is set and was read back"}));
   EXPECT_EQ(
-      settings_finding(mode, "the driver took 230400 baud instead"),
+      settings_finding(mode, "the driver took 230400 baud instead", false),
       (Finding{Judgement::fault, "settings", "250000 8O1: the driver took 230400 baud instead",
                "this adapter cannot do it: take another rate or parity, here and at the "
                "drives, or another adapter"}));

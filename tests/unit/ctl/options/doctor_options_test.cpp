@@ -62,11 +62,11 @@ TEST(DoctorOptions, SayWhatIsWrong) {
   EXPECT_EQ(complaint("doctor --device a --parity mark"),
             "mbgatectl: \"mark\" is not a list of parities: even, none, odd, with commas");
   EXPECT_EQ(complaint("doctor --device a --timeout 0ms"),
-            "mbgatectl: \"0ms\" is not a time of at least 1ms, like 500ms or 5s");
+            "mbgatectl: \"0ms\" is not a time from 1ms to 1000h, like 500ms or 5s");
   EXPECT_EQ(complaint("doctor --listen 2"),
-            "mbgatectl: \"2\" is not a time of at least 1ms, like 500ms or 5s");
+            "mbgatectl: \"2\" is not a time from 1ms to 1000h, like 500ms or 5s");
   EXPECT_EQ(complaint("doctor --address 0"),
-            "mbgatectl: \"0\" is not a list of units: 1 to 247, like 5 or 1-32 or 1-8,17");
+            "mbgatectl: \"0\" is not a list of units: 1 to 254, like 5 or 1-32 or 1-8,17");
 }
 
 }  // namespace

@@ -32,9 +32,9 @@ TEST(ScanOptions, AsksTheUnitsOfMostDrivesUnlessToldOtherwise) {
 
 TEST(ScanOptions, TakesNoUnitsThatABusCannotHaveAndNoOtherNames) {
   EXPECT_EQ(complaint("scan --units 0-3"),
-            "mbgatectl: \"0-3\" is not a list of units: 1 to 247, like 5 or 1-32 or 1-8,17");
+            "mbgatectl: \"0-3\" is not a list of units: 1 to 254, like 5 or 1-32 or 1-8,17");
   EXPECT_EQ(complaint("scan --timeout 5"),
-            "mbgatectl: \"5\" is not a time of at least 1ms, like 500ms or 5s");
+            "mbgatectl: \"5\" is not a time from 1ms to 1000h, like 500ms or 5s");
   EXPECT_EQ(complaint("scan --bus a/b"),
             "mbgatectl: --bus: expected 1 to 64 letters, digits, - _ .");
 }
@@ -72,7 +72,7 @@ TEST(ScanOptions, ASerialPortHasNoServerAndOnlyItHasModes) {
   EXPECT_EQ(complaint("scan --device a --parities mark"),
             "mbgatectl: \"mark\" is not a list of parities: even, none, odd, with commas");
   EXPECT_EQ(complaint("scan --device a --wait 0ms"),
-            "mbgatectl: \"0ms\" is not a time of at least 1ms, like 500ms or 5s");
+            "mbgatectl: \"0ms\" is not a time from 1ms to 1000h, like 500ms or 5s");
 }
 
 }  // namespace

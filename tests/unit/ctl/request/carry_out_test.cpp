@@ -16,8 +16,9 @@ using Bytes = std::vector<std::uint8_t>;
 /// Answers one request with these bytes; no bytes: it closes.
 class OneAnswer : public ScriptedServer {
  public:
-  explicit OneAnswer(Bytes unit_and_pdu)
-      : ScriptedServer(std::vector<Answers>{Answers{std::move(unit_and_pdu)}}) {}
+  explicit OneAnswer(
+      Bytes unit_and_pdu, std::function<void(Bytes&)> spoil = [](Bytes&) {})
+      : ScriptedServer(std::vector<Answers>{Answers{std::move(unit_and_pdu)}}, std::move(spoil)) {}
 };
 
 struct Outcome {
@@ -99,8 +100,10 @@ TEST(CarryOut, SaysThatAWriteMayHaveBeenDone) {
 }
 
 TEST(CarryOut, TakesNoAnswerThatDoesNotFit) {
-  const auto complaint = [](Bytes answer, const WriteCommand& command) {
-    const OneAnswer server(std::move(answer));
+  const auto complaint = [](
+                             Bytes answer, const auto& command,
+                             std::function<void(Bytes&)> spoil = [](Bytes&) {}) {
+    const OneAnswer server(std::move(answer), std::move(spoil));
     const auto outcome = carry_out_on(server.port(), command);
     EXPECT_EQ(outcome.status, 1);
     EXPECT_EQ(outcome.output, "");
@@ -110,10 +113,33 @@ TEST(CarryOut, TakesNoAnswerThatDoesNotFit) {
     EXPECT_EQ(outcome.errors.substr(0, head.size()), head);
     return outcome.errors.substr(std::min(head.size(), outcome.errors.size()));
   };
-  EXPECT_EQ(complaint({2, 0x06, 0x00, 0x7C, 0x00, 0xD8}, write_opcode()), "it is from unit 2\n");
-  EXPECT_EQ(complaint({1, 0x03, 0x02, 0x00, 0x01}, write_opcode()), "it has another function\n");
+  const std::string done = "; the write may have been done\n";
+  const Bytes good{1, 0x06, 0x00, 0x7C, 0x00, 0xD8};
+  EXPECT_EQ(complaint({2, 0x06, 0x00, 0x7C, 0x00, 0xD8}, write_opcode()),
+            "it is from unit 2" + done);
+  EXPECT_EQ(complaint({2, 0x03, 0x04, 0x00, 0x03, 0x0D, 0x40}, read_position()),
+            "it is from unit 2\n");
+  EXPECT_EQ(complaint({1, 0x03, 0x02, 0x00, 0x01}, write_opcode()),
+            "it has another function" + done);
   EXPECT_EQ(complaint({1, 0x06, 0x00, 0x7D, 0x00, 0xD8}, write_opcode()),
-            "it repeats another address, value or quantity\n");
+            "it repeats another address, value or quantity" + done);
+  EXPECT_EQ(complaint({1, 0x06, 0x00, 0x7C, 0x00, 0x64}, write_opcode()),
+            "it has the value 100, not 216 (some drives limit what is written)" + done);
+  EXPECT_EQ(complaint(good, write_opcode(), [](Bytes& adu) { ++adu[5]; }),
+            "it is not a Modbus TCP response" + done);
+  EXPECT_EQ(complaint(good, write_opcode(), [](Bytes& adu) { ++adu[1]; }),
+            "it has another transaction identifier" + done);
+}
+
+TEST(CarryOut, FailsWhereNothingCanBePrinted) {
+  const OneAnswer server({1, 0x06, 0x00, 0x7C, 0x00, 0xD8});
+  auto command = write_opcode();
+  command.target.port = server.port();
+  std::ostringstream out;
+  out.setstate(std::ios::badbit);
+  std::ostringstream errors;
+  EXPECT_EQ(carry_out(command, out, errors), 1);
+  EXPECT_EQ(errors.str(), "mbgatectl: done, but the result cannot be written to standard output\n");
 }
 
 TEST(CarryOut, SaysThatTheServerHungUp) {

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <chrono>
 
 #include "ctl/request/modbus_client.hpp"
 #include "modbus/request.hpp"
@@ -28,6 +31,21 @@ TEST(Connection, IsKeptFromRequestToRequest) {
   EXPECT_EQ(exception.error().status, 1);
   EXPECT_EQ(exception.error().exception, 0x0B);
   EXPECT_TRUE(connection.ask(kOneRegister));
+}
+
+TEST(Connection, WaitsForAWholeAnswerAsLongAsForItsFirstByte) {
+  using namespace std::chrono;
+  const ScriptedServer server(std::vector<Answers>{{kAnswer, {}}},
+                              [](ScriptedServer::Bytes& adu) { adu.pop_back(); });
+  Target target;
+  target.port = server.port();
+  target.timeout = milliseconds(700);
+  Connection connection(target);
+  const auto start = steady_clock::now();
+  const auto answer = connection.ask(kOneRegister);
+  EXPECT_GE(steady_clock::now() - start, milliseconds(690));
+  ASSERT_FALSE(answer);
+  EXPECT_THAT(answer.error().text, testing::HasSubstr("within 700ms"));
 }
 
 TEST(Connection, IsMadeAnewIfTheServerHasClosedIt) {

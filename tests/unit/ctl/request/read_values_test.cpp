@@ -54,11 +54,13 @@ TEST(RepeatedRead, GoesOnAfterAFailureOnANewConnection) {
   const auto printed = repeat(server, command);
   EXPECT_EQ(printed.status, 1);
   EXPECT_EQ(printed.output, "5\n6\n");
-  EXPECT_EQ(printed.errors,
-            "mbgatectl: unit 1: exception 0x06 (server device busy): the request was not carried "
-            "out: gateway or device is busy; try again\n"
-            "mbgatectl: 127.0.0.1:" +
-                std::to_string(server.port()) + " closed the connection without an answer\n");
+  EXPECT_EQ(
+      printed.errors,
+      "mbgatectl: unit 1: exception 0x06 (server device busy): the request was not carried "
+      "out: gateway or device is busy, or it was a write to a device that does not answer; try "
+      "again\n"
+      "mbgatectl: 127.0.0.1:" +
+          std::to_string(server.port()) + " closed the connection without an answer\n");
 }
 
 TEST(RepeatedRead, PrintsOneJsonObjectALine) {

@@ -11,6 +11,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -25,8 +26,10 @@ class ScriptedServer {
   using Bytes = std::vector<std::uint8_t>;
   using Answers = std::vector<Bytes>;
 
-  explicit ScriptedServer(std::vector<Answers> connections)
-      : listener_(socket(AF_INET, SOCK_STREAM, 0)) {
+  /// `spoil` changes each answer, with its header, before it is sent.
+  explicit ScriptedServer(
+      std::vector<Answers> connections, std::function<void(Bytes&)> spoil = [](Bytes&) {})
+      : listener_(socket(AF_INET, SOCK_STREAM, 0)), spoil_(std::move(spoil)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -71,12 +74,14 @@ class ScriptedServer {
       response.push_back(0);
       response.push_back(static_cast<std::uint8_t>(answer.size()));
       response.insert(response.end(), answer.begin(), answer.end());
+      spoil_(response);
       send(client, response.data(), response.size(), MSG_NOSIGNAL);
     }
     close(client);
   }
 
   int listener_;
+  std::function<void(Bytes&)> spoil_;
   std::uint16_t port_ = 0;
   std::atomic<int> closed_ = 0;
   std::thread thread_;

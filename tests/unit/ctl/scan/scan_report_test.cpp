@@ -54,7 +54,6 @@ address = 1
 profile = "moons-st"  # MOONS' step drives ST, STAC, STM and SWM; 9 of 9 answers fit
 # CHOOSE the setting of the drive, which cannot be read.
 # word_order = "big"  # or "little"
-response_timeout = "100ms"  # it took up to 4ms, seen from here
 
 [[route]]
 unit = 1
@@ -67,7 +66,6 @@ bus = "line-b"
 address = 3
 profile = "moons-m3"  # MOONS' servo drives M3; 9 of 9 answers fit
 word_order = "little"
-response_timeout = "100ms"  # it took up to 4ms, seen from here
 
 [[route]]
 unit = 3
@@ -82,7 +80,6 @@ address = 4
 # profile = "moons-ssdc"  # MOONS' step drives SSDC, SS, RS, SSM, TSM and TXM
 # profile = "moons-stb"  # MOONS' step drives STB
 # word_order = "big"  # as read
-response_timeout = "100ms"  # it took up to 4ms, seen from here
 
 [[route]]
 unit = 4
@@ -96,7 +93,6 @@ bus = "line-b"
 address = 17
 profile = "autonics-aic"  # Autonics AiC closed-loop stepper drives; 9 of 9 answers fit
 word_order = "big"
-response_timeout = "100ms"  # it took up to 4ms, seen from here
 
 [[route]]
 unit = 17
@@ -109,7 +105,6 @@ bus = "line-b"
 address = 32
 # No profile fits: generic limits, no 32-bit values. A profile can be written for it.
 profile = "generic"
-response_timeout = "500ms"  # it took up to 120ms, seen from here
 
 [[route]]
 unit = 32
@@ -151,9 +146,9 @@ TEST(LineHead, StandsAboveTheTable) {
 
 TEST(StartingConfig, HasARoundTimeoutThatIsAtLeastThriceTheSlowestAnswer) {
   const auto has_timeout = [](std::chrono::milliseconds slowest, const std::string& timeout) {
-    FoundUnit unit = plant().found.front();
+    FoundUnit unit = plant().found.back();
     unit.slowest = slowest;
-    const auto text = starting_config({"plant.example", 1502, 1, 5s}, "line-b", {unit});
+    const auto text = starting_config(FoundLine{"/dev/ttyUSB1"}, "line-b", {unit});
     return text.find("\nresponse_timeout = \"" + timeout + "\"  #") != std::string::npos;
   };
   EXPECT_TRUE(has_timeout(1ms, "100ms"));
@@ -161,6 +156,17 @@ TEST(StartingConfig, HasARoundTimeoutThatIsAtLeastThriceTheSlowestAnswer) {
   EXPECT_TRUE(has_timeout(34ms, "200ms"));
   EXPECT_TRUE(has_timeout(400ms, "2s"));
   EXPECT_TRUE(has_timeout(4100ms, "13s"));
+}
+
+TEST(StartingConfig, LeavesTheTimeoutToAProfileThatHasALongerOne) {
+  const auto has_timeout = [](std::chrono::milliseconds slowest) {
+    FoundUnit unit = plant().found.front();
+    unit.slowest = slowest;
+    const auto text = starting_config(FoundLine{"/dev/ttyUSB1"}, "line-b", {unit});
+    return text.find("response_timeout") != std::string::npos;
+  };
+  EXPECT_FALSE(has_timeout(300ms));
+  EXPECT_TRUE(has_timeout(301ms));
 }
 
 }  // namespace

@@ -136,15 +136,15 @@ TEST(Units, AreSinglesAndRanges) {
   EXPECT_EQ(*parse_units("5"), Units({5}));
   EXPECT_EQ(*parse_units("1-3"), Units({1, 2, 3}));
   EXPECT_EQ(*parse_units("17,1-2,2"), Units({1, 2, 17}));
-  EXPECT_EQ(parse_units("1-247")->size(), 247U);
+  EXPECT_EQ(parse_units("1-254")->size(), 254U);
 }
 
 TEST(Units, AreNotOutsideTheBusNorNothing) {
-  for (const std::string text : {"", "0", "248", "3-1", "1-", "-2", "1,,2", "a", "1-2-3", "1 "}) {
+  for (const std::string text : {"", "0", "255", "3-1", "1-", "-2", "1,,2", "a", "1-2-3", "1 "}) {
     const auto units = parse_units(text);
     ASSERT_FALSE(units) << text;
     EXPECT_EQ(units.error(),
-              "\"" + text + "\" is not a list of units: 1 to 247, like 5 or 1-32 or 1-8,17");
+              "\"" + text + "\" is not a list of units: 1 to 254, like 5 or 1-32 or 1-8,17");
   }
 }
 

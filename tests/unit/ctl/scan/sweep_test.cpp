@@ -159,10 +159,12 @@ TEST(Sweep, SaysHowLongItTakesAtMost) {
   const auto one = plan_of({1}, "9600", "even");
   EXPECT_EQ(std::chrono::round<std::chrono::microseconds>(longest(one)), 141'198us);
   EXPECT_EQ(sweep_announcement(one),
-            "asking 1 unit at /dev/x at 9600 8E1: 1s at most; only reads are sent");
+            "asking 1 unit at /dev/x at 9600 8E1: 1s at most, and some seconds for each that "
+            "answers; only reads are sent");
   std::vector<std::uint8_t> units(32);
   EXPECT_EQ(sweep_announcement(plan_of(units, "9600,19200,115200,38400,57600", "even,none,odd")),
-            "asking 32 units at /dev/x in 15 modes, 9600 8E1 first: 53s at most; only reads are "
+            "asking 32 units at /dev/x in 15 modes, 9600 8E1 first: 53s at most, and some seconds "
+            "for each that answers; only reads are "
             "sent");
 }
 
