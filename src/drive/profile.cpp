@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-
 #include "drive/profile.hpp"
 
 namespace mbgate::drive {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/asked.hpp"
-
 #include <algorithm>
 #include <fmt/core.h>
 #include <string_view>
 
+#include "gateway/event.hpp"
 #include "gateway/limits.hpp"
 #include "modbus/describe.hpp"
 

@@ -96,18 +96,6 @@ void BusSet::handle_deadline(Instant now) {
   });
 }
 
-void BusSet::stop(Instant now) {
-  for_each([&](BusId id, const bus::Bus&) { touch(id).stop(now); });
-}
-
-void BusSet::give_up(Instant now) {
-  for_each([&](BusId id, const bus::Bus&) { touch(id).give_up(now); });
-}
-
-void BusSet::clear_counters() {
-  for_each([&](BusId id, const bus::Bus&) { touch(id).clear_counters(); });
-}
-
 void BusSet::set_traced(bool traced) {
   traced_ = traced;
   for (const Slot& slot : buses_) {

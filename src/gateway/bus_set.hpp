@@ -45,11 +45,11 @@ class BusSet {
   [[nodiscard]] std::optional<Wake> next_wake(std::optional<Instant> judgement) const;
   /// Wakes the buses whose time has come.
   void handle_deadline(Instant now);
-  /// From now on the buses begin nothing but stops.
-  void stop(Instant now);
-  /// What is still on the wire ends unanswered.
-  void give_up(Instant now);
-  void clear_counters();
+  /// Calls `change` with each bus, whose actions are then to be polled.
+  template <typename Change>
+  void touch_all(Change change) {
+    for_each([&](BusId id, const bus::Bus&) { change(touch(id)); });
+  }
   /// Each transmission is told, of buses to come too.
   void set_traced(bool traced);
   /// Calls `visit` with the number of each bus, and the bus.

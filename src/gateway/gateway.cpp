@@ -40,7 +40,7 @@ void Gateway::on(const DeadlineReached& /*input*/, Instant now) {
   clients_.handle_deadline(now);
   if (stop_deadline_ && now >= *stop_deadline_) {
     clients_.set_phase(Phase::nothing);
-    buses_.give_up(now);
+    buses_.touch_all([now](bus::Bus& it) { it.give_up(now); });
   }
 }
 
@@ -59,7 +59,7 @@ void Gateway::on(const ShutdownAsked& /*input*/, Instant now) {
   }
   stopping_ = true;
   stop_deadline_ = now + kShutdownGrace;
-  buses_.stop(now);
+  buses_.touch_all([now](bus::Bus& it) { it.stop(now); });
   failsafe_.send_at_exit(now);
   clients_.set_phase(Phase::only_stops);
 }

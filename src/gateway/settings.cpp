@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/settings.hpp"
 
-#include <algorithm>
 #include <iterator>
 #include <numeric>
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-
 #include "modbus/codes.hpp"
 
 #include <fmt/core.h>

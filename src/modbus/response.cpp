@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-
 #include "modbus/response.hpp"
 
 #include <algorithm>
 
 namespace mbgate::modbus {
-
 namespace {
 
 using Kind = PduLength::Kind;

@@ -13,9 +13,7 @@ enum class Fit : std::uint8_t { no, maybe, yes };
 
 Fit fit_if(bool fits) { return fits ? Fit::yes : Fit::no; }
 
-bool names(const Roles& roles, const std::string& role) {
-  return std::ranges::find(roles, role) != roles.end();
-}
+bool names(const auto& list, const auto& it) { return std::ranges::find(list, it) != list.end(); }
 
 // Whose role is named fits only where roles are named, in the rule or in its group; without a
 // certificate nobody has a role.
@@ -47,8 +45,7 @@ Fit fit_client(const AccessRule& rule, const AccessQuestion& question) {
 }
 
 Fit fit_listener(const AccessRule& rule, const AccessQuestion& question) {
-  return fit_if(rule.listeners.empty() ||
-                std::ranges::find(rule.listeners, question.listener) != rule.listeners.end());
+  return fit_if(rule.listeners.empty() || names(rule.listeners, question.listener));
 }
 
 Fit fit_unit(const AccessRule& rule, const AccessQuestion& question) {
@@ -100,8 +97,7 @@ Fit fit_registers(const AccessRule& rule, const TouchedRegisters& touched) {
 
 Fit fit_touched(const AccessRule& rule, const TouchedRegisters& touched) {
   const bool of_device =
-      rule.devices.empty() ||
-      (touched.number && std::ranges::find(rule.devices, *touched.number) != rule.devices.end());
+      rule.devices.empty() || (touched.number && names(rule.devices, *touched.number));
   return of_device ? fit_registers(rule, touched) : Fit::no;
 }
 
@@ -140,7 +136,7 @@ Fit fit_of(const AccessRule& rule, const AccessQuestion& question) {
 template <typename List>
 bool has_all(const List& wide, const List& narrow) {
   return wide.empty() || (!narrow.empty() && std::ranges::all_of(narrow, [&](const auto& it) {
-           return std::ranges::find(wide, it) != wide.end();
+           return names(wide, it);
          }));
 }
 

@@ -4,8 +4,6 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
-#include <optional>
-#include <string_view>
 
 #include "base/text.hpp"
 #include "base/utf8.hpp"

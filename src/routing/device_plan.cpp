@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-
 #include "routing/device_plan.hpp"
 
 #include <algorithm>
 #include <vector>
 
-#include "modbus/request.hpp"
-
 namespace mbgate::routing {
-
 namespace {
 
 using drive::Value;

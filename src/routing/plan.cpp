@@ -4,7 +4,6 @@
 #include <boost/container/static_vector.hpp>
 
 #include "modbus/frames.hpp"
-#include "modbus/request.hpp"
 #include "routing/device_plan.hpp"
 
 namespace mbgate::routing {

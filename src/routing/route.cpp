@@ -5,7 +5,6 @@
 
 #include "drive/values.hpp"
 #include "modbus/codes.hpp"
-#include "modbus/request.hpp"
 
 namespace mbgate::routing {
 namespace {

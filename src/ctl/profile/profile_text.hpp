@@ -12,6 +12,7 @@
 
 #include "config/profiles/profile_file.hpp"
 #include "config/profiles/profile_library.hpp"
+#include "modbus/describe.hpp"
 
 namespace mbgate::ctl {
 

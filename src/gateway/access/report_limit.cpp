@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-
 #include "gateway/access/report_limit.hpp"
 
 #include "gateway/access/who.hpp"
 
 namespace mbgate::gateway {
-
 namespace {
 
 bool is_stop(const SettingsSnapshot& settings, const WriteRules& rules, const ClientInfo& client,

@@ -88,11 +88,7 @@ std::optional<Instant> ClientSession::next_look(Instant now) const {
 
 void ClientSession::note_partial(Instant now) {
   const bool is_partial = !input.empty() && !is_full();
-  if (!is_partial) {
-    partial_since.reset();
-  } else if (!partial_since) {
-    partial_since = now;
-  }
+  partial_since = is_partial ? std::optional(partial_since.value_or(now)) : std::nullopt;
 }
 
 AnswerId DueAnswers::open() {
@@ -137,12 +133,6 @@ void DueAnswers::drop_waiting() {
     if (held.answer && !held.answer->is_stops) {
       held.answer.reset();
     }
-  }
-}
-
-void DueAnswers::confirm_sent() {
-  if (unsent_ > 0) {
-    --unsent_;
   }
 }
 

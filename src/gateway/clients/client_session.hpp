@@ -47,7 +47,7 @@ class DueAnswers {
   /// stay.
   void drop_waiting();
   /// An answer has been completely written.
-  void confirm_sent();
+  void confirm_sent() { unsent_ -= unsent_ > 0 ? 1 : 0; }
 
  private:
   struct Held {

@@ -262,8 +262,7 @@ void Clients::adopt(const SettingsSnapshot& before, Instant now) {
   sessions_.adopt(settings_.settings(), now);
   intake_.adopt(before, now);
   for (const ClientSession& session : sessions_.open()) {
-    requests_.end_withdrawn(session, now);
-    requests_.end_outdated(session, before);
+    requests_.end_unwanted(session, before, now);
   }
 }
 

@@ -38,13 +38,8 @@ std::optional<WriteAccepted::Target> target_of(const routing::Plan& plan) {
 }
 
 AskedTrace trace_of(const ClientSession& session, const Request& request) {
-  AskedTrace asked;
-  asked.connection = session.id();
-  asked.client = session.info().address;
-  asked.listener = session.listener().name;
-  asked.asked_at = request.arrival;
-  asked.request = bytes_of(request.adu);
-  return asked;
+  return {session.id(), session.info().address, session.listener().name, request.arrival,
+          bytes_of(request.adu)};
 }
 
 // A client that has given up may take an answer for that to its next request. `arrival`: of the
@@ -214,15 +209,13 @@ bool Requests::is_withdrawn(const ClientSession& session, const Exchange& exchan
          objection->code == modbus::ExceptionCode::illegal_function;
 }
 
-void Requests::end_withdrawn(const ClientSession& session, Instant now) {
+void Requests::end_unwanted(const ClientSession& session, const SettingsSnapshot& before,
+                            Instant now) {
   for (const std::uint32_t exchange : session.exchanges) {
     if (is_withdrawn(session, exchanges_[exchange], now)) {
       exchanges_.cancel(exchange);
     }
   }
-}
-
-void Requests::end_outdated(const ClientSession& session, const SettingsSnapshot& before) {
   for (const std::uint32_t held : session.held) {
     if (unit_means_otherwise({session.info().listener, exchanges_[held].header.unit}, before,
                              settings_.in_force())) {
@@ -257,7 +250,7 @@ modbus::Pdu Requests::answer_of_gateway(const ClientSession& session, const Requ
 void Requests::clear_counters() {
   status_unit_.clear_counters();
   intake_.clear_counters();
-  buses_.clear_counters();
+  buses_.touch_all([](bus::Bus& it) { it.clear_counters(); });
   sessions_.clear_counters();
 }
 

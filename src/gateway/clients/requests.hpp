@@ -37,10 +37,9 @@ class Requests {
   [[nodiscard]] std::optional<Instant> first_deadline(const ClientSession& session) const;
   /// Refuses what is held beyond its deadline.
   void end_overdue(const ClientSession& session, Instant now);
-  /// New settings are in force: takes back what waits of the client and may not be asked any more.
-  void end_withdrawn(const ClientSession& session, Instant now);
-  /// New settings are in force: of what no bus has yet, refuses what would mean something else now.
-  void end_outdated(const ClientSession& session, const SettingsSnapshot& before);
+  /// New settings are in force: takes back what waits of the client and may not be asked any more,
+  /// and of what no bus has yet, refuses what would mean something else now.
+  void end_unwanted(const ClientSession& session, const SettingsSnapshot& before, Instant now);
   /// All that the status unit shows: of its own, of clients, of buses and devices.
   void clear_counters();
 

@@ -166,10 +166,10 @@ void Exchanges::end_unsent(const Exchange::Part& part) {
 // Stops are sent: settings do not move a drive, and the one that was meant is still where it was.
 void Exchanges::end_changed(const SettingsSnapshot& old) {
   std::vector<Exchange::Part> changed;
-  for (const auto& exchange : exchanges_.all()) {
-    for (const Exchange::Part& part : exchange->parts) {
+  for (const Exchange& exchange : exchanges_.all()) {
+    for (const Exchange::Part& part : exchange.parts) {
       if (!part.is_stop() && keeps_line(old.settings, settings_.settings(), part.bus) &&
-          means_otherwise(*exchange, part, old, settings_.in_force())) {
+          means_otherwise(exchange, part, old, settings_.in_force())) {
         changed.push_back(part);
       }
     }

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <new>
 #include <optional>
@@ -31,7 +32,7 @@ class Pool {
  public:
   std::uint32_t take() {
     if (free_.empty()) {
-      objects_.push_back(std::make_unique<Object>());
+      objects_.emplace_back();
       return static_cast<std::uint32_t>(objects_.size() - 1);
     }
     const std::uint32_t index = free_.back();
@@ -39,18 +40,18 @@ class Pool {
     return index;
   }
   void give_back(std::uint32_t index) {
-    Object* const object = objects_[index].get();
+    Object* const object = &objects_[index];
     std::destroy_at(object);
     ::new (static_cast<void*>(object)) Object;
     free_.push_back(index);
   }
-  Object& operator[](std::uint32_t index) { return *objects_[index]; }
+  Object& operator[](std::uint32_t index) { return objects_[index]; }
   /// All objects; those that are not in use are as new.
   [[nodiscard]] const auto& all() const { return objects_; }
   [[nodiscard]] std::size_t in_use() const { return objects_.size() - free_.size(); }
 
  private:
-  std::vector<std::unique_ptr<Object>> objects_;
+  std::deque<Object> objects_;
   std::vector<std::uint32_t> free_;
 };
 
@@ -90,7 +91,7 @@ class Exchanges {
   void close(std::uint32_t index);
   template <typename Predicate>
   [[nodiscard]] bool any_of(Predicate is_it) const {
-    return std::ranges::any_of(exchanges_.all(), [&](const auto& it) { return is_it(*it); });
+    return std::ranges::any_of(exchanges_.all(), is_it);
   }
   [[nodiscard]] std::size_t open_count() const { return exchanges_.in_use(); }
   /// The transactions of their plans.

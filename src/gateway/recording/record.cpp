@@ -9,7 +9,6 @@
 #include <fmt/core.h>
 #include <optional>
 #include <type_traits>
-#include <utility>
 
 #include "base/text.hpp"
 #include "gateway/limits.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/settings/settings_snapshot.hpp"
 
-#include <algorithm>
 #include <utility>
 
 namespace mbgate::gateway {
@@ -41,25 +40,23 @@ Numbers numbers_of(const std::vector<Named>& known, const std::vector<Named>& re
 }
 
 template <typename Named>
-Named gone(const Named& known) {
-  Named gone;
-  gone.name = known.name;
-  if constexpr (requires { gone.is_gone = true; }) {
-    gone.is_gone = true;
-  } else {
-    gone.bus = drive::kNoBus;
+std::vector<Named> all_gone(const std::vector<Named>& known) {
+  std::vector<Named> all;
+  for (const Named& it : known) {
+    Named& gone = all.emplace_back();
+    gone.name = it.name;
+    if constexpr (requires { gone.is_gone = true; }) {
+      gone.is_gone = true;
+    } else {
+      gone.bus = drive::kNoBus;
+    }
   }
-  return gone;
+  return all;
 }
 
-template <typename Named>
-std::vector<Named> at_numbers(const std::vector<Named>& known, std::vector<Named> read,
+template <typename Entry>
+std::vector<Entry> at_numbers(std::vector<Entry> placed, std::vector<Entry> read,
                               const Numbers& numbers) {
-  std::vector<Named> placed;
-  placed.reserve(known.size() + read.size());
-  for (const Named& it : known) {
-    placed.push_back(gone(it));
-  }
   for (std::size_t place = 0; place < read.size(); ++place) {
     placed.resize(std::max(placed.size(), numbers[place] + 1));
     placed[numbers[place]] = std::move(read[place]);
@@ -70,15 +67,6 @@ std::vector<Named> at_numbers(const std::vector<Named>& known, std::vector<Named
 template <typename Id>
 Id number_of(const Numbers& numbers, Id written) {
   return Id{static_cast<std::uint32_t>(numbers[static_cast<std::size_t>(written)])};
-}
-
-std::vector<DeviceGuard> guards_at(std::vector<DeviceGuard> read, const Numbers& devices) {
-  std::vector<DeviceGuard> guards;
-  for (std::size_t place = 0; place < read.size(); ++place) {
-    guards.resize(std::max(guards.size(), devices[place] + 1));
-    guards[devices[place]] = std::move(read[place]);
-  }
-  return guards;
 }
 
 }  // namespace
@@ -213,10 +201,10 @@ Settings numbered_after(const Settings& in_force, Settings read) {
       device = devices[device];
     }
   }
-  read.listeners = at_numbers(in_force.listeners, std::move(read.listeners), listeners);
-  read.buses = at_numbers(in_force.buses, std::move(read.buses), buses);
-  read.devices = at_numbers(in_force.devices, std::move(read.devices), devices);
-  read.guards = guards_at(std::move(read.guards), devices);
+  read.listeners = at_numbers(all_gone(in_force.listeners), std::move(read.listeners), listeners);
+  read.buses = at_numbers(all_gone(in_force.buses), std::move(read.buses), buses);
+  read.devices = at_numbers(all_gone(in_force.devices), std::move(read.devices), devices);
+  read.guards = at_numbers({}, std::move(read.guards), devices);
   read.written_order = {buses, devices};
   return read;
 }

@@ -111,7 +111,7 @@ struct ListenerStatus {
   std::string name;
   std::size_t connections = 0;
   ListenerCounters counters;
-  std::optional<Duration> last_failure;  ///< RecentFailures::failed_at
+  std::optional<Duration> last_failure{};  ///< RecentFailures::failed_at
 };
 
 struct ClientStatus {

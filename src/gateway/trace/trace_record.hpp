@@ -68,10 +68,10 @@ struct AskedTrace {
     std::string device;  ///< empty: the configuration has none at the address
     friend bool operator==(const Target&, const Target&) = default;
   };
-  std::vector<Target> targets;
-  Instant answered_at;               ///< with `ordered` it is sent behind those before it
-  std::optional<ByteString> answer;  ///< nothing: the client has gone, or gets none
-  bool refused = false;              ///< answered by the gateway without asking a device
+  std::vector<Target> targets{};
+  Instant answered_at{};               ///< with `ordered` it is sent behind those before it
+  std::optional<ByteString> answer{};  ///< nothing: the client has gone, or gets none
+  bool refused = false;                ///< answered by the gateway without asking a device
 };
 
 struct TraceRecord {

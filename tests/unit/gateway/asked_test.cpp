@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/asked.hpp"
-
 #include <gtest/gtest.h>
 
+#include "gateway/event.hpp"
 #include "support/hex.hpp"
 
 namespace mbgate::gateway {

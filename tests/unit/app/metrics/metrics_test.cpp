@@ -37,7 +37,7 @@ gateway::StatusReport report() {
   report.devices.push_back(device);
   report.listeners.push_back({"plant", 2, {}});
   report.listeners.back().counters.requests = 40;
-  report.listeners.back().counters.note_refused(false, 0x0A);
+  report.listeners.back().counters.note_refused(false, 0x0A, bus::Instant{});
   return report;
 }
 

@@ -24,7 +24,7 @@ TEST_F(Echo, MayBeFoundAgainstReadsThatShowedNone) {
   send(kReadPdu);
   EXPECT_EQ(take(kSentRead), "|");
   answered("03 02 12 34");
-  EXPECT_TRUE(echo_->is_present());
+  EXPECT_EQ(echo_->noticed(), bus::NoticedEcho::found);
 }
 
 TEST_F(Echo, IsUnknownAgainAfterThreeReadsInARowThatLackIt) {

@@ -21,7 +21,7 @@ TEST_F(Echo, IsFoundThoughItComesWhenTheRequestIsForgotten) {
   EXPECT_EQ(take(kSentRead), "|");
   EXPECT_TRUE(echo_->is_unknown());
   answered("03 02 12 34");
-  EXPECT_TRUE(echo_->is_present());
+  EXPECT_EQ(echo_->noticed(), bus::NoticedEcho::found);
 }
 
 TEST_F(Echo, ThatDiffersSpoilsWhatFollows) {
@@ -209,7 +209,7 @@ TEST_F(Echo, ThatWasFoundIsThereWhenTheLineIsOpenedAgain) {
   begin(std::nullopt);
   echo_->find();
   echo_->open();
-  EXPECT_TRUE(echo_->is_present());
+  EXPECT_EQ(echo_->noticed(), bus::NoticedEcho::found);
   send(kWritePdu);
   EXPECT_EQ(take(kSentWrite), "|");
 }
