@@ -83,6 +83,7 @@ TEST(CheckResponse, DiagnosticsEchoTheSubFunctionAndLoopbackItsData) {
   EXPECT_EQ(check("08 00 00 A5 37", "08 00 00 A5 37"), normal);
   EXPECT_EQ(check("08 00 00 A5 37", "08 00 00 A5 38"), wrong_echo);
   EXPECT_EQ(check("08 00 0B 00 00", "08 00 0B 00 2A"), normal);
+  EXPECT_EQ(check("08 00 0B 00 00", "08 00 0B 12 2A"), normal);
   EXPECT_EQ(check("08 00 0B 00 00", "08 00 0C 00 2A"), wrong_echo);
   EXPECT_EQ(check("08 00 00 A5 37", "08 00 00 A5 37 00 00"), wrong_length);
 }

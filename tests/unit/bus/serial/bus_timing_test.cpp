@@ -138,6 +138,9 @@ TEST_F(Bus, CountsGlitchesBeforeTheAnswersOfADevice) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
   EXPECT_EQ(bus_->devices()[1].counters.noise_bytes, 2U);
   EXPECT_EQ(bus_->counters().noise_bytes, 2U);
+  submit(job(kRead));
+  time_out();
+  EXPECT_EQ(bus_->counters().noise_bytes, 2U) << "nothing came";
 }
 
 TEST_F(Bus, SettlesAfterATimeoutBeforeTheNextRequest) {
