@@ -120,8 +120,9 @@ void SerialDiscipline::judge(Verdict verdict, Instant now) {
   switch (verdict) {
     case Verdict::none: return;
     case Verdict::response: {
-      const bool shows_no_echo =
-          echo_.note_answered(framer_.response(), framer_.found().came_first);
+      // The answer to an earlier try may come before the echo of this one.
+      const bool shows_no_echo = echo_.note_answered(
+          framer_.response(), framer_.found().came_first && owed_.empty());
       transaction_->response = framer_.response();
       end(LineEnd::How::response);
       end_->shows_no_echo = shows_no_echo;

@@ -68,6 +68,23 @@ TEST_F(BusEcho, AReadWithoutOneShowsThatTheRepetitionBeforeWasTheAnswer) {
   EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered, Ending::answered));
 }
 
+TEST_F(BusEcho, AnAnswerToTheFirstTryBeforeTheEchoOfTheSecondShowsNothing) {
+  drive::Device patient{"axis", {}, 1, settings().timing};
+  patient.timing.retries = 1;
+  open_as(bus::LineKind::virtual_line, {}, {patient});
+  submit(job(kRead));
+  time_out();
+  line(kAnswer);
+  line(kReadFrame);
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  advance(1s);
+  submit(job(kWritePdu, 2));
+  advance(10ms);
+  line("02 06 00 00 00 01 48 39");
+  time_out();
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
+}
+
 // A drive does that with one write.
 TEST_F(BusEcho, AWholeRequestAsItsAnswerProvesNothing) {
   open_as(bus::LineKind::virtual_line);
