@@ -100,8 +100,13 @@ Result<Plan, ExceptionCode> Plan::make_denied(const ResolvedRoute& resolved, std
   if (!client_request) {
     return client_request.error();
   }
-  // One object is returned, and built where it is needed: a plan is large.
-  Result<Plan, ExceptionCode> made{Plan(*client_request)};
+  return make(resolved, unit, *client_request);
+}
+
+// One object is returned, and built where it is needed: a plan is large.
+Result<Plan, ExceptionCode> Plan::make(const ResolvedRoute& resolved, std::uint8_t unit,
+                                       const Request& client_request) {
+  Result<Plan, ExceptionCode> made{Plan(client_request)};
   if (const auto error = made->fill(resolved, unit)) {
     made = *error;
   }
@@ -109,15 +114,20 @@ Result<Plan, ExceptionCode> Plan::make_denied(const ResolvedRoute& resolved, std
 }
 
 std::optional<ExceptionCode> Plan::fill(const ResolvedRoute& resolved, std::uint8_t unit) {
-  const auto request = through_windows(resolved.route.windows, client_request_);
-  if (!request) {
-    return request.error();
+  if (resolved.route.windows.empty()) {  // nothing is copied
+    return add(resolved, unit, client_request_);
   }
+  const auto request = through_windows(resolved.route.windows, client_request_);
+  return request ? add(resolved, unit, *request) : std::optional(request.error());
+}
+
+std::optional<ExceptionCode> Plan::add(const ResolvedRoute& resolved, std::uint8_t unit,
+                                       const Request& request) {
   if (resolved.is_broadcast()) {
-    return add_broadcast(resolved, *request);
+    return add_broadcast(resolved, request);
   }
   const std::uint8_t asked = resolved.route.address_of(unit);
-  const auto error = add_requests(resolved, resolved.one_address.value_or(asked), *request);
+  const auto error = add_requests(resolved, resolved.one_address.value_or(asked), request);
   for (Transaction& transaction : transactions_) {
     transaction.unit = asked;
   }

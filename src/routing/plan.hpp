@@ -70,7 +70,11 @@ class Plan {
 
  private:
   explicit Plan(const modbus::Request& request) : client_request_(request) {}
+  static Result<Plan, modbus::ExceptionCode> make(const ResolvedRoute& resolved, std::uint8_t unit,
+                                                  const modbus::Request& client_request);
   std::optional<modbus::ExceptionCode> fill(const ResolvedRoute& resolved, std::uint8_t unit);
+  std::optional<modbus::ExceptionCode> add(const ResolvedRoute& resolved, std::uint8_t unit,
+                                           const modbus::Request& request);
   std::optional<modbus::ExceptionCode> add_broadcast(const ResolvedRoute& resolved,
                                                      const modbus::Request& request);
   void add_question(const drive::Device& device);

@@ -10,7 +10,9 @@ namespace {
 // As behaviour says where nothing is set.
 Duration deadline_of(const Plant& plant, const Ask& ask) {
   const auto& route = plant.settings.routes.front();
-  const Duration writes = 3 * plant.device().timing.response_timeout + 500ms;
+  // Twice the longest ordinary transaction: 264 characters and the wait.
+  const Duration wire = world::WireTimes(plant.bus().line).of(264);
+  const Duration writes = 2 * (wire + plant.device().timing.response_timeout) + 500ms;
   return route.deadline.value_or(ask.is_read() ? std::max<Duration>(5s, writes) : writes);
 }
 
@@ -157,7 +159,7 @@ void Oracle::note_frame(Flight& flight, Instant now) {
   is_disturbed_ = is_disturbed_ || flight.heard;
   flight.heard = true;
   longest_answer_ = std::max(longest_answer_, now - flight.left);
-  forget(flight.device, now);
+  forget(flight.device, now - Duration{1});  // what came at the end of a tail came within it
   const auto fits = [&](const Flight& it) {
     return it.open && it.device == flight.device && looks_alike(it.word, flight.word) &&
            now >= it.left;

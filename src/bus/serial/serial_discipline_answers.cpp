@@ -121,8 +121,8 @@ void SerialDiscipline::judge(Verdict verdict, Instant now) {
     case Verdict::none: return;
     case Verdict::response: {
       // The answer to an earlier try may come before the echo of this one.
-      const bool shows_no_echo = echo_.note_answered(
-          framer_.response(), framer_.found().came_first && owed_.empty());
+      const bool shows_no_echo =
+          echo_.note_answered(framer_.response(), framer_.found().came_first && owed_.empty());
       transaction_->response = framer_.response();
       end(LineEnd::How::response);
       end_->shows_no_echo = shows_no_echo;
