@@ -112,6 +112,7 @@ constexpr std::array kRewordings = {
               "the string does not end on its line: expected a closing quote"},
     Rewording{"value: could not determine value type",
               "expected a value: a number, true, false, or a string in quotes"},
+    Rewording{"value: exceeded maximum nested value depth", "a value is nested too deep"},
 };
 
 /// The library's words, without the part that every error has and without control characters.

@@ -168,6 +168,8 @@ TEST(TomlReader, RefusesWhatIsNestedTooDeep) {
   }
   auto document = parse(text + "1");
   EXPECT_FALSE(document.parsed());
+  EXPECT_EQ(render(document.finish()).substr(0, 50),
+            "x:5:3807: error: syntax: a value is nested too dee");
 }
 
 TEST(TomlReader, RefusesFilesThatAreTooLarge) {
