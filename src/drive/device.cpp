@@ -28,11 +28,9 @@ bool writes_position(const Device& device, const modbus::Request& request) {
 
 DeviceTiming Device::timing_of(const modbus::Request& request) const {
   DeviceTiming times = timing;
-  const auto meets = [&](const SlowRegisters& slow, std::optional<modbus::AddressField> at) {
-    if (at && at->range.table == modbus::Table::input_registers && profile.input_as_holding) {
-      at->range.table = modbus::Table::holding_registers;
-    }
-    return at && overlap(slow.range, at->range);
+  const auto meets = [&](const SlowRegisters& slow, const std::optional<modbus::AddressField>& at) {
+    return at && overlap(slow.range,
+                         {profile.described_in(at->range.table), at->range.first, at->range.count});
   };
   for (const SlowRegisters& slow : profile.slow) {
     if (meets(slow, request.reads()) || meets(slow, request.writes())) {
@@ -110,11 +108,8 @@ std::optional<Duration> Device::silent_after(const modbus::Request& request) con
   return std::nullopt;
 }
 
-bool Device::touches_value(const modbus::Request& request) const {
-  const auto holds = [&](const std::optional<modbus::AddressField>& field) {
-    return field && profile.values.any_in(field->range);
-  };
-  return holds(request.reads()) || holds(request.writes());
+bool Device::writes_value(const modbus::Request& request) const {
+  return request.writes() && profile.values.any_in(request.writes()->range);
 }
 
 bool Device::cuts_value(const modbus::TableRange& range) const {

@@ -122,8 +122,8 @@ struct Device {
   /// The boot time that follows a request which is never answered; nothing for others.
   [[nodiscard]] std::optional<Duration> silent_after(const modbus::Request& request) const;
 
-  /// Does the request read or write any value (32 or 64 bits), or a part of one?
-  [[nodiscard]] bool touches_value(const modbus::Request& request) const;
+  /// Does the request write any value (32 or 64 bits), or a part of one?
+  [[nodiscard]] bool writes_value(const modbus::Request& request) const;
   /// Does the range hold a part of a value at one of its ends?
   [[nodiscard]] bool cuts_value(const modbus::TableRange& range) const;
   /// Does the request write an opcode whose position parameter has an unknown word order, for a

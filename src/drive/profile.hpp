@@ -157,6 +157,12 @@ struct Profile {
   /// Exceptions by which the drive says that it carries a write out, by their code.
   std::bitset<256> acceptances;
 
+  /// The table under which the profile describes the registers of this one.
+  [[nodiscard]] modbus::Table described_in(modbus::Table table) const {
+    return input_as_holding && table == modbus::Table::input_registers
+               ? modbus::Table::holding_registers
+               : table;
+  }
   /// Where a request that begins at `address` must end at the latest: at the end of its
   /// parameter group, or before the next one. 65536 if there is none.
   [[nodiscard]] std::uint32_t group_end(modbus::Table table, std::uint32_t address) const;

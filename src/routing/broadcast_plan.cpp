@@ -76,7 +76,7 @@ bool same_values(const Device& a, const Device& b, const TableRange& range) {
 bool understand_alike(const Receivers& receivers, const Request& request) {
   const TableRange& range = request.writes()->range;
   if (std::ranges::none_of(receivers,
-                           [&](const Device* it) { return it->touches_value(request); })) {
+                           [&](const Device* it) { return it->writes_value(request); })) {
     return true;
   }
   const Device& first = *receivers.front();

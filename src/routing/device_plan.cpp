@@ -92,9 +92,8 @@ Reply Planner::data_of(const TableRange& range, const TableRange& asked) const {
 
 Result<DevicePlan, ExceptionCode> Planner::plan_read() {
   const TableRange& asked = request_.reads()->range;
-  const bool input = asked.table == Table::input_registers && profile_.input_as_holding;
-  // What the profile says of holding registers is then true of input registers too.
-  const TableRange known{input ? Table::holding_registers : asked.table, asked.first, asked.count};
+  const TableRange known{profile_.described_in(asked.table), asked.first, asked.count};
+  const bool input = known.table != asked.table;
   const TableRange range = widened(known);
   Table table = asked.table;
   if (input && (range.count > profile_.limits.read_from(table) || !profile_.functions.test(0x04))) {

@@ -165,7 +165,7 @@ void Plan::add_questions(const ResolvedRoute& resolved, BusId bus, const Request
   for (const BusDevices& known : resolved.devices_of_buses) {
     for (const drive::Device* device : known.devices) {
       if (known.bus == bus && device->verify_word_order && resolved.route.word_order &&
-          device->touches_value(request)) {
+          device->writes_value(request)) {
         add_question(*device);
       }
     }
@@ -201,9 +201,8 @@ std::optional<ExceptionCode> Plan::add_device_requests(const ResolvedRoute& reso
   if (!planned) {
     return planned.error();
   }
-  if (device.verify_word_order && resolved.route.word_order && !request.is_read() &&
-      !device.is_stop(request) && request.writes() &&
-      device.profile.values.any_in(request.writes()->range)) {
+  if (device.verify_word_order && resolved.route.word_order && !device.is_stop(request) &&
+      device.writes_value(request)) {
     add_question(device);
   }
   reply_ = planned->reply;

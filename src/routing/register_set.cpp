@@ -14,8 +14,7 @@ using modbus::TableRange;
 constexpr std::uint16_t kPositionRegisters = 2;
 
 Table table_in(const Device* device, Table table) {
-  const bool same = device != nullptr && device->profile.input_as_holding;
-  return same && table == Table::input_registers ? Table::holding_registers : table;
+  return device == nullptr ? table : device->profile.described_in(table);
 }
 
 template <typename Visit>

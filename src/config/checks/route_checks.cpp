@@ -58,10 +58,7 @@ void check_word_order(Draft& draft, std::size_t at) {
 
 /// The value that has registers on both sides of the border before `address`; nullptr if none has.
 const drive::Value* value_across(const Device& device, Table table, std::uint32_t address) {
-  if (device.profile.input_as_holding && table == Table::input_registers) {
-    table = Table::holding_registers;
-  }
-  const auto* value = device.profile.values.at(table, address);
+  const auto* value = device.profile.values.at(device.profile.described_in(table), address);
   return value != nullptr && value->first < address ? value : nullptr;
 }
 

@@ -53,10 +53,10 @@ inline constexpr std::array kFramings = {Word{"rtu", bus::Framing::rtu},
                                          Word{"ascii", bus::Framing::ascii},
                                          Word{"tcp", bus::Framing::tcp}};
 
-/// "coils", "discrete", "input" or "holding".
 /// Of `write_echo`: does the echo of a write carry what the device made of the value?
 inline constexpr std::array kEchoes = {Word{"value", false}, Word{"address", true}};
 
+/// "coils", "discrete", "input" or "holding".
 constexpr std::string_view table_word(modbus::Table table) { return word_for(kTables, table); }
 
 /// The address of a register or coil: decimal, or hexadecimal behind 0x; nothing if it is neither.

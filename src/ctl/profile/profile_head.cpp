@@ -8,7 +8,6 @@
 #include "config/toml/toml_value.hpp"
 #include "ctl/profile/profile_text.hpp"
 #include "ctl/visible_text.hpp"
-#include "modbus/describe.hpp"
 
 namespace mbgate::ctl {
 namespace {

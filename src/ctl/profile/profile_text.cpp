@@ -13,7 +13,6 @@
 #include "config/toml/toml_value.hpp"
 #include "ctl/request/carry_out.hpp"
 #include "ctl/visible_text.hpp"
-#include "modbus/describe.hpp"
 
 namespace mbgate::ctl {
 namespace {

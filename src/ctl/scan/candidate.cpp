@@ -74,11 +74,6 @@ Verdict judge_exception(Foreseen foreseen, std::uint8_t code) {
 
 Candidate::Candidate(const config::ProfileFile& file) : file_(&file), map_(merged(file.map)) {}
 
-Table Candidate::held_in(Table table) const {
-  const bool same = file_->profile.input_as_holding && table == Table::input_registers;
-  return same ? Table::holding_registers : table;
-}
-
 Foreseen Candidate::foresees(const TableRange& read) const {
   const auto& profile = file_->profile;
   if (!says_anything()) {
@@ -87,7 +82,7 @@ Foreseen Candidate::foresees(const TableRange& read) const {
   if (!profile.functions.test(read_function(read.table))) {
     return Foreseen::no_function;
   }
-  const TableRange range{held_in(read.table), read.first, read.count};
+  const TableRange range{profile.described_in(read.table), read.first, read.count};
   const auto of_table = [&](const TableRange& it) { return it.table == range.table; };
   if (std::ranges::none_of(map_, of_table)) {
     return Foreseen::anything;
@@ -156,7 +151,7 @@ void Candidate::add_limit_read(Table table, std::vector<TableRange>& reads) cons
     return;
   }
   const auto run = std::ranges::find_if(map_, [&](const TableRange& it) {
-    return it.table == held_in(table) && it.count > most &&
+    return it.table == file_->profile.described_in(table) && it.count > most &&
            !drive::touches(file_->profile.write_only,
                            {it.table, it.first, static_cast<std::uint16_t>(most + 1)});
   });

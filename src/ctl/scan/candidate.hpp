@@ -65,7 +65,6 @@ class Candidate {
   [[nodiscard]] std::vector<modbus::TableRange> confirming_reads() const;
 
  private:
-  [[nodiscard]] modbus::Table held_in(modbus::Table table) const;
   [[nodiscard]] Foreseen content(const modbus::TableRange& read) const;
   [[nodiscard]] std::vector<modbus::TableRange> content_reads() const;
   void add_limit_read(modbus::Table table, std::vector<modbus::TableRange>& reads) const;
