@@ -2,6 +2,7 @@
 """The plant of the demo: mbgate-sim and mbgated on conf/demo*.toml, in a folder of their own, on a port that the
 kernel chooses. The programs are those in the folder MBGATE_PROGRAMS, else the installed ones."""
 
+import contextlib
 import os
 import pathlib
 import queue
@@ -99,9 +100,12 @@ class Process:
         return pathlib.Path(f"/proc/{self._process.pid}/{name}").read_text(encoding="utf-8")
 
     def sockets(self):
-        """How many it has."""
-        folder = pathlib.Path(f"/proc/{self.pid}/fd")
-        return sum(os.readlink(file).startswith("socket:") for file in folder.iterdir())
+        """How many it has. One that it closes while they are counted is not one of them."""
+        count = 0
+        for file in pathlib.Path(f"/proc/{self.pid}/fd").iterdir():
+            with contextlib.suppress(FileNotFoundError):
+                count += os.readlink(file).startswith("socket:")
+        return count
 
     def state(self):
         """The letter of ps: T is a program that was stopped."""
