@@ -40,7 +40,7 @@ class LineSilence {
   void note_broadcast() { turnaround_until_ = emission_ends_ + settings_.turnaround; }
   /// Bytes were read.
   void note_bytes(Instant now) {
-    if (now > quiet_since_ + frame_gap()) {
+    if (now > quiet_since_ + pause_) {
       busy_since_ = now;
     }
     quiet_since_ = std::max(quiet_since_, now);

@@ -60,5 +60,22 @@ TEST_F(BusStopWait, AStopWaitsForTwiceTheLongestAnswerOfLate) {
   EXPECT_EQ(frames_.back(), kStopFrame);
 }
 
+// Each piece may be the beginning of a frame, so that the pause behind it is no silence.
+TEST_F(BusStopWait, BeginningsOfFramesDelayAStopNoLongerThanItsDeadline) {
+  auto patient = settings();
+  patient.stop_deadline = 500ms;
+  open(patient, {axis(patient)});
+  line("01 03 10");
+  submit(job(kStop));
+  const Instant since = now_;
+  while (now_ < since + 495ms) {
+    advance(15ms);
+    line("01 03 10");
+  }
+  EXPECT_THAT(frames_, IsEmpty());
+  advance(5ms);
+  EXPECT_THAT(frames_, ElementsAre(kStopFrame));
+}
+
 }  // namespace
 }  // namespace mbgate::test::bus_stop_wait_test

@@ -58,6 +58,16 @@ TEST_F(LineSilenceTest, SaysSinceWhenBytesFollowEachOther) {
   EXPECT_EQ(silence_.busy_since(), at(15ms));
 }
 
+// No stop may go in such a pause either.
+TEST_F(LineSilenceTest, APauseInAFrameIsNoSilence) {
+  silence_.note_bytes(at(10ms));
+  silence_.note_pause(20ms);
+  silence_.note_bytes(at(25ms));
+  EXPECT_EQ(silence_.busy_since(), at(10ms));
+  silence_.note_bytes(at(46ms));
+  EXPECT_EQ(silence_.busy_since(), at(46ms));
+}
+
 TEST_F(LineSilenceTest, WaitsForTheTurnaroundDelayOfABroadcastThoughTheLineIsReopened) {
   silence_.note_frame(8, at(1s));
   silence_.note_broadcast();
