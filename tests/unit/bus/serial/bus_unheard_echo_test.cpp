@@ -39,6 +39,24 @@ TEST_F(BusEcho, NorAStopWhichIsRepeatedAndTold) {
   EXPECT_THAT(notices_, testing::Contains(bus::DeviceNotice::Kind::stop_unanswered));
 }
 
+// The adapter kept the echo of the try before. Behind its own, it looks like the answer.
+TEST_F(BusEcho, TheEchoOfAStopSentBeforeTheLineWasReopenedAcknowledgesNothing) {
+  open_as(bus::LineKind::virtual_line, true, {axis(settings())});
+  submit(job(kStop));
+  advance(2ms);
+  bus_->handle_lost(now_, bus::Loss::failed);
+  drain();
+  bus_->handle_opened(now_, bus::LineKind::virtual_line);
+  drain();
+  submit(job(kStop));
+  advance(10ms);
+  ASSERT_THAT(frames_, SizeIs(2));
+  line(std::string(kStopFrame) + kStopFrame);
+  EXPECT_THAT(endings_, ElementsAre(Ending::closed));
+  line(kStopFrame);
+  EXPECT_THAT(endings_, ElementsAre(Ending::closed, Ending::answered));
+}
+
 // What came may be the drive's answer or an echo, which a read tells.
 TEST_F(BusEcho, AReadGoesBeforeTheRepetitionOfAStopThatMayHaveBeenAnswered) {
   open_as(bus::LineKind::virtual_line, {}, {axis(settings())});
