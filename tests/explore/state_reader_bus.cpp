@@ -219,17 +219,18 @@ void StateReader::read(const bus::DeviceHealth& health, const drive::DeviceTimin
 void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing, Hash& hash) {
   // What was learned is forgotten by the minute, which no small world lives: while_began,
   // learned_at, longest_before, shortest_before.
-  const auto& [unanswered, pending, is_doubtful, is_decisive, suspected_now, held_until, pace,
-               heard_at, tails, silent, rests_until, rested_at, answered, was_sudden, seconds,
+  const auto& [unanswered, pending, limits_now, is_doubtful, is_decisive, suspected_now, held_until,
+               pace, heard_at, tails, silent, rests_until, rested_at, answered, was_sudden, seconds,
                clean, longest_second] = hold;
-  // No registers are slow: is_slow, longest_ordinary, ordinary_before.
+  // No registers are slow, and no reload shortens times: limits, is_slow, longest_ordinary,
+  // ordinary_before.
   const auto& [longest_answer, longest_before, longest_ordinary, ordinary_before, shortest_answer,
                shortest_before, while_began, learned, learned_at] = pace;
   require(longest_before == Duration{0}, "a short life");
   hash.add(unanswered.size());
   for (const bus::Hold::Unanswered& it : unanswered) {
-    const auto& [asked, sent, due, is_unreadable, is_retry, may_be_answered, is_slow, is_outdated,
-                 is_over, was_replaced, suspected] = it;
+    const auto& [asked, sent, due, is_unreadable, is_retry, may_be_answered, is_slow, limits,
+                 is_outdated, is_over, was_replaced, suspected] = it;
     hash.add(asked.pdu().bytes());
     hash.since(sent, kFarPast);
     hash.since(due, kFarPast);

@@ -41,7 +41,7 @@ void Hold::note_unanswered(const Sent& sent, bool is_unreadable) {
     unanswered_.erase(unanswered_.begin());
   }
   unanswered_.emplace_back(Unanswered{sent.asked, sent.sent, sent.due, is_unreadable, sent.is_retry,
-                                      sent.may_be_answered, sent.is_slow});
+                                      sent.may_be_answered, sent.is_slow, limits_});
   unanswered_.back().suspected = std::exchange(suspected_, Duration{0});
 }
 
@@ -122,11 +122,9 @@ bool Hold::note_asked(const modbus::Request* asked, Instant now, const Timing& t
   const bool is_in_doubt = is_doubtful_ && !unanswered_.empty();
   is_decisive_ = is_in_doubt && asked != nullptr && asked->is_read();
   is_doubtful_ = is_in_doubt && !is_decisive_;
-  pending_.reset();
+  pending_ = asked != nullptr ? std::optional(*asked) : std::nullopt;
+  limits_ = {timing.quarantine_or_default(), timing.quarantine_max};
   suspected_ = Duration{0};
-  if (asked != nullptr) {
-    pending_ = *asked;
-  }
   return is_decisive_;
 }
 
@@ -141,8 +139,9 @@ void Hold::settle(Instant now, const Timing& timing, bool was_held) {
   }
   std::erase_if(unanswered_, [&](const Unanswered& it) {
     const bool was_waited_for = held_until_ && it.sent < *held_until_;
+    const Duration longest = std::max(it.limits.quarantine_max, timing.quarantine_max);
     return it.is_over && ((!is_held && (was_waited_for || it.is_unreadable)) ||
-                          now >= it.sent + timing.quarantine_max + kAdapterKeeps);
+                          now >= it.sent + longest + kAdapterKeeps);
   });
 }
 

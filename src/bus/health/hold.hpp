@@ -202,6 +202,11 @@ class Hold {
   [[nodiscard]] const AnswerPace& pace() const { return pace_; }
 
  private:
+  /// In force when a transmission began. A reload may lengthen them for it, but not shorten them.
+  struct Limits {
+    Duration quarantine{0};
+    Duration quarantine_max{0};
+  };
   struct Unanswered {
     modbus::Request asked;
     Instant sent;
@@ -210,6 +215,7 @@ class Hold {
     bool is_retry;
     bool may_be_answered;
     bool is_slow;
+    Limits limits;
     bool is_outdated = false;  ///< a write, and another write has gone to the device since
     bool is_over = false;      ///< its tail
     /// An answer came to it, and was taken for that of an earlier one.
@@ -224,7 +230,9 @@ class Hold {
   [[nodiscard]] Instant oldest_unanswered(Instant otherwise) const;
   void hold_for_rest(Instant oldest_sent, Instant now, const Timing& timing);
   [[nodiscard]] Instant end_of_tail(const Unanswered& it, const Timing& timing) const {
-    return it.is_unreadable ? it.due : end_of_tail(it.due, timing);
+    return it.is_unreadable
+               ? it.due
+               : it.due + std::max(it.limits.quarantine, tail(it.due, timing)) + kAdapterKeeps;
   }
   template <typename Predicate>
   [[nodiscard]] Instant end_of_tails(const Timing& timing, Predicate holds,
@@ -233,6 +241,7 @@ class Hold {
 
   std::vector<Unanswered> unanswered_;      // oldest first, without the one on the wire
   std::optional<modbus::Request> pending_;  // that one
+  Limits limits_;                           // of that one
   bool is_doubtful_ = false;                // what is owed, since a probe brought something
   bool is_decisive_ = false;                // the answer to the one on the wire ends the doubt
   Duration suspected_{0};                   // as in Unanswered, of that one

@@ -9,6 +9,20 @@ namespace mbgate::test {
 namespace {
 
 // A later request that its answer would fit too is no retry, and its answer may have come.
+TEST_F(Health, AReloadThatShortensATailDoesNotShortenARunningOne) {
+  timing_.quarantine = 500ms;
+  asked(0s);
+  timing_.quarantine = 50ms;
+  timing_.quarantine_max = 50ms;
+  unanswered(read_, 100ms);
+  EXPECT_FALSE(may_be_asked(619ms));
+  EXPECT_TRUE(may_be_asked(620ms));
+  asked(5s);
+  EXPECT_EQ(owed(other_read_), 1U);
+  asked(10020ms);
+  EXPECT_EQ(owed(other_read_), 0U);
+}
+
 TEST_F(Health, AnotherRequestIsShownToBeLateByItsOwnTimeout) {
   unanswered(read_, 100ms);
   unanswered(other_read_, 210ms);
