@@ -62,6 +62,7 @@ class Judge : public Witness {
   void note_echo_shown(const Asked& asked);
   [[nodiscard]] bool is_echo_unknown(const Asked& asked, const Came& last) const;
   [[nodiscard]] bool is_later_than_ever(const Asked& asked, const Came& last) const;
+  [[nodiscard]] bool is_after_hold(const Came& late) const;
   void note_wrong(const Asked& asked, const char* kind);
   void note_right(const Asked& asked);
 

@@ -44,7 +44,26 @@ bool Judge::is_later_than_ever(const Asked& asked, const Came& last) const {
     const bool was_kept = sent.left != kNever && sent.left > sent.end + 20ms;
     const Duration most = is_stop || !it.fits || was_kept ? longest_tail : timing.quarantine_max;
     return it.at >= begun && (it.answers < newest || (!it.was_held && it.at > sent.begin + most) ||
-                              (sent.process != ledger_.process && it.at > heard));
+                              (sent.process != ledger_.process && it.at > heard) ||
+                              (it.at > sent.end + longest_tail && is_after_hold(it)));
+  });
+}
+
+// An answer before it has shown how fast the device is, and twice that time was waited for each
+// transmission that was left (docs/behaviour.md, "the hold").
+bool Judge::is_after_hold(const Came& late) const {
+  constexpr int kFactor = 2;
+  const Sent& sent = ledger_.sent[late.answers];
+  return std::ranges::any_of(ledger_.lines[sent.bus].came, [&](const Came& it) {
+    const auto is_left = [&](const Sent& other) {
+      return other.station == sent.station && other.begin < it.at;
+    };
+    if (it.answers >= late.answers || !is_left(sent) || !is_left(ledger_.sent[it.answers])) {
+      return false;  // kNone is the largest
+    }
+    const auto after = ledger_.sent.begin() + it.answers + 1;
+    return late.at > it.at + kFactor * std::count_if(after, ledger_.sent.end(), is_left) *
+                                 (it.at - ledger_.sent[it.answers].begin);
   });
 }
 
