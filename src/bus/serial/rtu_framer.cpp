@@ -90,11 +90,6 @@ void RtuFramer::discard() {
 }
 
 Verdict RtuFramer::add(modbus::Bytes bytes, Instant now) {
-  // The longest frame is over, and there was no silence behind it.
-  if (awaits_silence() &&
-      now >= buffer_.came_at(answer_at_) + 2 * slack_ + timing_.duration_of(modbus::kMaxRtuSize)) {
-    discard();
-  }
   const bool silence_before = now - last_byte_ >= timing_.t3_5();
   last_byte_ = now;
   given_ += bytes.size();
@@ -183,16 +178,13 @@ std::optional<Instant> RtuFramer::next_deadline() const {
                                buffer_.bytes()[0] == transaction_->address;
     return may_be_misfit ? std::optional(last_byte_ + slack_) : std::nullopt;
   }
-  if (awaits_silence()) {
-    return last_byte_ + slack_;
-  }
   const modbus::PduLength length = looker().length_of(buffer_.bytes().subspan(answer_at_));
   const std::size_t size = length.kind == modbus::PduLength::Kind::known
                                ? length.bytes + modbus::kRtuOverhead
                                : modbus::kMaxRtuSize;
   const Instant whole = buffer_.came_at(answer_at_) + timing_.duration_of(size);
   const Instant latest = hurried_ ? std::max(*hurried_, whole + slack_) : whole + kLongestPauses;
-  return std::min(std::max(whole, last_byte_) + slack_, latest);
+  return std::min((awaits_silence() ? last_byte_ : std::max(whole, last_byte_)) + slack_, latest);
 }
 
 Verdict RtuFramer::handle_deadline(Instant now) {
@@ -206,16 +198,11 @@ Verdict RtuFramer::handle_deadline(Instant now) {
       discarding_ = false;
       return Verdict::none;
     }
-    switch (answer_) {
-      case Answer::opaque: return end_by_silence();
-      case Answer::unsure:
-        if (search(true) == Verdict::response) {
-          return Verdict::response;
-        }
-        break;
-      case Answer::not_begun:
-      case Answer::incomplete:
-      case Answer::bad_crc: break;
+    if (answer_ == Answer::opaque) {
+      return end_by_silence();
+    }
+    if (answer_ == Answer::unsure && search(true) == Verdict::response) {
+      return Verdict::response;
     }
     if (answer_ == Answer::bad_crc) {
       noise_ = answer_at_;

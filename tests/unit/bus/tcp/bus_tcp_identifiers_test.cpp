@@ -32,6 +32,20 @@ TEST_F(BusTcpWithoutIdentifiers, AnyIdentifierWillDo) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }
 
+// Its answer could not be told from that of the stop.
+TEST_F(BusTcpWithoutIdentifiers, AStopWaitsForARunningTransactionNoLongerThanStopWait) {
+  auto slow = unchecked();
+  slow.timing.response_timeout = 1s;
+  open(slow, {axis(slow)});
+  submit(job(kRead, 2));
+  submit(job_of(1, kStop));
+  advance(99ms);
+  EXPECT_THAT(units(), ElementsAre(2));
+  advance(1ms);
+  EXPECT_THAT(units(), ElementsAre(2, 1));
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer));
+}
+
 TEST_F(BusTcpWithoutIdentifiers, ADeviceIsLeftAloneUntilItsLateAnswerCannotBeMistaken) {
   open(unchecked());
   submit(job(kRead));
