@@ -22,7 +22,6 @@ class SecondRate {
   }
   /// Has there been a pause of a second, or what counts as one?
   [[nodiscard]] bool is_rested(bus::Instant now) const { return rested_at_ <= now; }
-  [[nodiscard]] bus::Instant rested_at() const { return rested_at_; }
 
  private:
   [[nodiscard]] bus::Instant next(unsigned per_second, bus::Instant now) const {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/clients/address_limits.hpp"
 
-#include <algorithm>
-
 #include "gateway/limits.hpp"
 
 namespace mbgate::gateway {
@@ -20,33 +18,20 @@ bool AddressLimits::comes_too_often(const ClientInfo& info, const ListenerSettin
 }
 
 void AddressLimits::came(const ClientSession& session, Instant now) {
-  forget(now);
+  if (entries_.size() >= forgets_at_) {
+    std::erase_if(entries_, [now](const auto& known) {
+      const Entry& it = known.second;
+      return it.connections == 0 && it.connects.is_rested(now) && it.requests.is_rested(now);
+    });
+    forgets_at_ = 2 * entries_.size() + kFewAddresses;
+  }
   Entry& entry = entries_[place_of(session)];
   ++entry.connections;
   entry.connects.take(session.listener().max_connects_per_second, now);
 }
 
 void AddressLimits::left(const ClientSession& session) {
-  const auto known = entries_.find(place_of(session));
-  Entry& entry = known->second;
-  if (--entry.connections == 0) {
-    const Instant rested = std::max(entry.connects.rested_at(), entry.requests.rested_at());
-    leaving_.emplace_back(rested, known->first);
-  }
-}
-
-// Later ones may have rested before the first has; they go with it.
-void AddressLimits::forget(Instant now) {
-  while (!leaving_.empty() && leaving_.front().first <= now) {
-    const auto known = entries_.find(leaving_.front().second);
-    leaving_.pop_front();
-    if (known == entries_.end() || known->second.connections > 0) {
-      continue;  // it has come again
-    }
-    if (known->second.connects.is_rested(now) && known->second.requests.is_rested(now)) {
-      entries_.erase(known);
-    }
-  }
+  --entries_.at(place_of(session)).connections;
 }
 
 bool AddressLimits::may_ask(const ClientSession& session, Instant now) {

@@ -6,7 +6,6 @@
 // A connection too many is refused; a request too many gets 06 at once, unless it is a stop.
 #pragma once
 
-#include <deque>
 #include <map>
 #include <utility>
 
@@ -45,12 +44,11 @@ class AddressLimits {
   static Key place_of(const ClientSession& session) {
     return {session.info().listener, session.key()};
   }
-  void forget(Instant now);
 
+  static constexpr std::size_t kFewAddresses = 64;
   std::map<Key, Entry> entries_;
-  /// Addresses without a connection, whose rates are still remembered: no more than can come within
-  /// a second or two.
-  std::deque<std::pair<Instant, Key>> leaving_;
+  /// So many entries are looked through for addresses that have no connection and are rested.
+  std::size_t forgets_at_ = kFewAddresses;
 };
 
 }  // namespace mbgate::gateway
