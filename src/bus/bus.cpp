@@ -129,9 +129,6 @@ void Bus::collect(Instant now) {
   while (const auto fault = parts_.line.take_fault()) {
     // The far end takes what is sent, and says nothing, or nothing that can be followed.
     const bool is_useless = fault == LineFault::unanswered || fault == LineFault::answer_cut_off;
-    if (is_useless && parts_.stopping) {
-      continue;
-    }
     if (fault != LineFault::framing_lost &&
         (fault != LineFault::unanswered || diagnosis_.note_unanswered_connection())) {
       parts_.actions.push(LineNotice{*fault});
