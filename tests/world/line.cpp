@@ -117,7 +117,7 @@ void Line::say(Octets bytes, Instant begin, std::size_t good, const Came& came, 
   talks_.emplace(number, Talk{std::move(bytes), begin, end, good, came});
   around_.schedule.at(begin, [this, number] { begin_talk(number); });
   for (const auto& [at, until] : chunks) {
-    around_.schedule.at(at, [this, number, until = until] { hear(number, until); });
+    around_.schedule.at(at, [this, number, heard = until] { hear(number, heard); });
   }
 }
 

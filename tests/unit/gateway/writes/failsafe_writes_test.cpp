@@ -110,7 +110,8 @@ TEST_F(FailsafeWrites, StayDueOneByOne) {
   EXPECT_THAT(take_requests(rig_), ElementsAre(kSecond));
   rig_.lose_line();
   rig_.open_line();
-  EXPECT_THAT(answer_all(rig_, 3s), ElementsAre(kSecond));
+  // The first answer may be that to what was on the wire when the line was lost.
+  EXPECT_THAT(answer_all(rig_, 3s), ElementsAre(kSecond, kSecond));
   EXPECT_THAT(rig_.events, ElementsAre(kLost, kNotYet, "bus line-a is open", kAcknowledged));
 }
 
