@@ -34,7 +34,7 @@ bool take_cached(Parts& parts, Job& job, Instant now) {
   if (entry.device->cache == Duration{0} || !job.is_single_read()) {
     return false;
   }
-  const modbus::Pdu* known = entry.cache.find(job.transaction().request, now - entry.device->cache);
+  const modbus::Pdu* known = entry.cache.find(job.transaction(), now - entry.device->cache);
   if (known == nullptr) {
     return false;
   }

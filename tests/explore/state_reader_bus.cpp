@@ -222,14 +222,14 @@ void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing,
   const auto& [unanswered, pending, limits_now, is_doubtful, is_decisive, suspected_now, held_until,
                pace, heard_at, tails, silent, rests_until, rested_at, answered, was_sudden, seconds,
                clean, longest_second] = hold;
-  // No registers are slow, and no reload shortens times: limits, is_slow, longest_ordinary,
-  // ordinary_before.
+  // No registers are slow, no reload shortens times, no line is TCP: limits, unit, is_slow,
+  // longest_ordinary, ordinary_before.
   const auto& [longest_answer, longest_before, longest_ordinary, ordinary_before, shortest_answer,
                shortest_before, while_began, learned, learned_at] = pace;
   require(longest_before == Duration{0}, "a short life");
   hash.add(unanswered.size());
   for (const bus::Hold::Unanswered& it : unanswered) {
-    const auto& [asked, sent, due, is_unreadable, is_retry, may_be_answered, is_slow, limits,
+    const auto& [asked, sent, due, is_unreadable, is_retry, may_be_answered, is_slow, unit, limits,
                  is_outdated, is_over, was_replaced, suspected] = it;
     hash.add(asked.pdu().bytes());
     hash.since(sent, kFarPast);
@@ -273,7 +273,7 @@ void StateReader::read(const bus::ReadCache& cache, Duration age, Hash& hash) {
   }
   hash.add(reads.size());
   for (const auto& [request, response, asked_at] : reads) {
-    hash.add(request.bytes());
+    hash.add(request.second.bytes());
     hash.add(response.bytes());
     hash.since(asked_at, age + Duration{1});
   }

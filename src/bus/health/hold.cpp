@@ -41,7 +41,7 @@ void Hold::note_unanswered(const Sent& sent, bool is_unreadable) {
     unanswered_.erase(unanswered_.begin());
   }
   unanswered_.emplace_back(Unanswered{sent.asked, sent.sent, sent.due, is_unreadable, sent.is_retry,
-                                      sent.may_be_answered, sent.is_slow, limits_});
+                                      sent.may_be_answered, sent.is_slow, sent.unit, limits_});
   unanswered_.back().suspected = std::exchange(suspected_, Duration{0});
 }
 
@@ -244,15 +244,15 @@ Instant Hold::end_of_seconds(const Timing& timing) const {
 }
 
 // Only a stop is sent while a second answer is still to come.
-OwedAnswers Hold::owed(const modbus::Request& next, Instant first_sent, Instant now,
-                       const Timing& timing) const {
+OwedAnswers Hold::owed(const modbus::Request& next, std::uint8_t unit, Instant first_sent,
+                       Instant now, const Timing& timing) const {
   OwedAnswers owed;
   const bool has_second = seconds_ > 0 && clean_ > 0 && now < end_of_seconds(timing);
   if (has_second && answered_.back().asked.function() == next.function()) {
     owed.push_back({answered_.back().asked, false});
   }
   for (const Unanswered& it : unanswered_) {
-    if (!is_decisive_ && it.asked.function() == next.function()) {
+    if (!is_decisive_ && it.unit == unit && it.asked.function() == next.function()) {
       const bool is_own = it.sent >= first_sent && !it.is_outdated && it.asked.pdu() == next.pdu();
       owed.push_back({it.asked, is_own});
     }

@@ -130,6 +130,7 @@ class Hold {
     bool may_be_answered = false;  ///< what came may be its answer, or its echo
     bool is_probe = false;         ///< its response timeout is short
     bool is_slow = false;          ///< it reads or writes slow registers
+    std::uint8_t unit = 0;         ///< on the wire
   };
   /// No answer came to it. `is_unreadable`: a frame came in its place that is no answer, or is
   /// damaged; its answer may still come until the response timeout is over.
@@ -181,11 +182,11 @@ class Hold {
   /// How many second answers have come since the last two hundred answers without one.
   [[nodiscard]] unsigned seconds() const { return seconds_; }
 
-  /// The transmissions that an answer to `next`, which is sent now, may belong to, oldest first:
-  /// the unanswered ones, and the one that may get a second answer. Those of the same request that
-  /// were sent at `first_sent` or later are its own earlier tries.
-  [[nodiscard]] OwedAnswers owed(const modbus::Request& next, Instant first_sent, Instant now,
-                                 const Timing& timing) const;
+  /// The transmissions that an answer to `next`, which is sent now to `unit`, may belong to, oldest
+  /// first: the unanswered ones, and the one that may get a second answer. Those of the same
+  /// request that were sent at `first_sent` or later are its own earlier tries.
+  [[nodiscard]] OwedAnswers owed(const modbus::Request& next, std::uint8_t unit, Instant first_sent,
+                                 Instant now, const Timing& timing) const;
   /// The earliest instant at which this request may be sent to the device. A stop need not wait,
   /// nor does the same read once more (`repeats`), unless it shall show what the device owes.
   [[nodiscard]] Instant until(const modbus::Request& next, const Timing& timing,
@@ -215,6 +216,7 @@ class Hold {
     bool is_retry;
     bool may_be_answered;
     bool is_slow;
+    std::uint8_t unit;
     Limits limits;
     bool is_outdated = false;  ///< a write, and another write has gone to the device since
     bool is_over = false;      ///< its tail

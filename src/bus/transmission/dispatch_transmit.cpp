@@ -78,7 +78,8 @@ void Dispatch::transmit(Job& job, Instant now) {
     // An earlier stop of the same bytes, without another write since, has stopped the drive too.
     // What a line brings of one that was sent before it was opened may be its echo.
     const bool is_stop = job.is_stop();
-    owed = entry.hold.owed(sent.request, is_stop ? parts_.link.opened_at() : job.sent.first_at, now,
+    owed = entry.hold.owed(sent.request, sent.unit,
+                           is_stop ? parts_.link.opened_at() : job.sent.first_at, now,
                            entry.in_force());
     std::ranges::for_each(owed, [&](OwedAnswer& it) { it.is_stop = is_stop; });
   }

@@ -29,8 +29,8 @@ Hold::Sent sent_of(const Job& it, const drive::Device& device, Instant due,
                    bool may_be_answered = false) {
   const modbus::Request& asked = it.transaction().request;
   const bool is_slow = device.timing_of(asked).response_timeout > device.timing.response_timeout;
-  return {asked,           it.sent.last_at,  due,    it.sent.tries > 1,
-          may_be_answered, it.sent.is_probe, is_slow};
+  return {asked,           it.sent.last_at,  due,     it.sent.tries > 1,
+          may_be_answered, it.sent.is_probe, is_slow, it.transaction().unit};
 }
 
 // For a stop: it is neither answered nor unanswered. Stops that cut each other short are.
@@ -252,8 +252,7 @@ void Outcomes::remember(const Job& job) {
   DeviceEntry& entry = parts_.devices[transaction.address];
   if (job.is_single_read() && entry.device->cache > Duration{0} &&
       ReadCache::can_hold(transaction.request) && !transaction.response->is_exception()) {
-    entry.cache.put(transaction.request, *transaction.response, job.sent.first_at,
-                    job.sent.writes_before);
+    entry.cache.put(transaction, job.sent.first_at, job.sent.writes_before);
   }
 }
 

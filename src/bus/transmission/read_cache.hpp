@@ -6,10 +6,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "bus/instant.hpp"
-#include "modbus/request.hpp"
+#include "drive/transaction.hpp"
 
 namespace mbgate::bus {
 
@@ -23,26 +24,22 @@ class ReadCache {
     return request.function() >= 0x01 && request.function() <= 0x04;
   }
   /// The response to the same request, if it was asked for at `oldest` or later.
-  [[nodiscard]] const modbus::Pdu* find(const modbus::Request& request, Instant oldest) const {
-    const auto found = std::ranges::find(reads_, request.pdu(), &Read::request);
+  [[nodiscard]] const modbus::Pdu* find(const Transaction& asked, Instant oldest) const {
+    const auto found = std::ranges::find(reads_, key_of(asked), &Read::asked);
     return found == reads_.end() || found->asked_at < oldest ? nullptr : &found->response;
   }
   /// `asked_at`: when the request was transmitted; the data are no older than that. `writes_ended`:
   /// writes_ended() at that time. If more writes than that were accepted, the data may be from
   /// before them and are not cached.
-  void put(const modbus::Request& request, const modbus::Pdu& response, Instant asked_at,
-           std::uint64_t writes_ended) {
+  void put(const Transaction& asked, Instant asked_at, std::uint64_t writes_ended) {
     if (writes_ended < accepted_) {
       return;
     }
-    const auto found = std::ranges::find(reads_, request.pdu(), &Read::request);
-    if (found != reads_.end()) {
-      *found = {request.pdu(), response, asked_at};
-    } else if (reads_.size() < kMostCachedReads) {
-      reads_.push_back({request.pdu(), response, asked_at});
-    } else {
-      *std::ranges::min_element(reads_, {}, &Read::asked_at) = {request.pdu(), response, asked_at};
+    std::erase_if(reads_, [key = key_of(asked)](const Read& it) { return it.asked == key; });
+    if (reads_.size() == kMostCachedReads) {
+      reads_.erase(std::ranges::min_element(reads_, {}, &Read::asked_at));
     }
+    reads_.push_back({key_of(asked), *asked.response, asked_at});
   }
   /// How many writes to the device have ended so far.
   [[nodiscard]] std::uint64_t writes_ended() const { return ended_; }
@@ -54,8 +51,11 @@ class ReadCache {
   void end_write() { ++ended_; }
 
  private:
+  /// With the unit: where a server is one device under every unit, each may be a drive after all.
+  using Key = std::pair<std::uint8_t, modbus::Pdu>;
+  static Key key_of(const Transaction& asked) { return {asked.unit, asked.request.pdu()}; }
   struct Read {
-    modbus::Pdu request;
+    Key asked;
     modbus::Pdu response;
     Instant asked_at;
   };

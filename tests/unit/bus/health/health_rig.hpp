@@ -49,10 +49,10 @@ class Health : public testing::Test {
   }
   void asked(bus::Duration time) { hold_.note_asked(nullptr, at(time), timing_, false); }
   [[nodiscard]] std::size_t owed(const modbus::Request& next) const {
-    return hold_.owed(next, Instant::max(), at(0ms), timing_).size();
+    return hold_.owed(next, 0, Instant::max(), at(0ms), timing_).size();
   }
   [[nodiscard]] bus::OwedAnswers owed_since(const modbus::Request& next, bus::Duration sent) const {
-    return hold_.owed(next, at(sent), at(0ms), timing_);
+    return hold_.owed(next, 0, at(sent), at(0ms), timing_);
   }
 
   const std::vector<std::uint8_t> kAnswer = unhex("03 02 12 34");

@@ -32,6 +32,21 @@ TEST_F(BusTcpWithoutIdentifiers, AnyIdentifierWillDo) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }
 
+// The configuration takes them for one device.
+TEST_F(BusTcpWithoutIdentifiers, TheAnswerOfAnotherUnitIsNotOneThatIsOwed) {
+  drive::Device server{"server", {}, 255, unchecked().timing};
+  open(unchecked(), {server});
+  for (const std::uint8_t unit : {1, 2}) {
+    auto& read = job(kRead, 255);
+    read.transactions[0].unit = unit;
+    submit(read);
+    advance(unit == 1 ? 400ms : 10ms);
+  }
+  ASSERT_THAT(units(), ElementsAre(1, 2));
+  answer("02 03 02 22 22");
+  EXPECT_THAT(endings_, ElementsAre(Ending::no_answer, Ending::answered));
+}
+
 // Its answer could not be told from that of the stop.
 TEST_F(BusTcpWithoutIdentifiers, AStopWaitsForARunningTransactionNoLongerThanStopWait) {
   auto slow = unchecked();

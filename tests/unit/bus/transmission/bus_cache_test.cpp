@@ -126,17 +126,17 @@ TEST_F(BusCache, ReopeningEmptiesIt) {
 // On a connection a stop may wait for the writes before it, and be answered before a read that was
 // transmitted meanwhile.
 TEST(ReadCache, DoesNotKeepWhatWasAskedWhileAWriteWaited) {
-  const auto request = *modbus::Request::parse(*modbus::Pdu::from(unhex(kRead)));
-  const auto response = *modbus::Pdu::from(unhex("03 02 12 34"));
+  drive::Transaction asked(1, *modbus::Request::parse(*modbus::Pdu::from(unhex(kRead))));
+  asked.response = modbus::Pdu::from(unhex("03 02 12 34"));
   const Instant asked_at{1s};
   bus::ReadCache cache;
   cache.begin_write();
   const std::uint64_t ended = cache.writes_ended();
   cache.end_write();
-  cache.put(request, response, asked_at, ended);
-  EXPECT_EQ(cache.find(request, asked_at), nullptr);
-  cache.put(request, response, asked_at, cache.writes_ended());
-  EXPECT_NE(cache.find(request, asked_at), nullptr);
+  cache.put(asked, asked_at, ended);
+  EXPECT_EQ(cache.find(asked, asked_at), nullptr);
+  cache.put(asked, asked_at, cache.writes_ended());
+  EXPECT_NE(cache.find(asked, asked_at), nullptr);
 }
 
 }  // namespace

@@ -11,16 +11,17 @@ namespace {
 
 using namespace std::chrono_literals;
 
-modbus::Request read_at(std::size_t address) {
-  return modbus::make_read(
-      {modbus::Table::holding_registers, static_cast<std::uint16_t>(address), 1});
+drive::Transaction read_at(std::size_t address, std::string_view response = "03 02 12 34") {
+  drive::Transaction asked(1, modbus::make_read({modbus::Table::holding_registers,
+                                                 static_cast<std::uint16_t>(address), 1}));
+  asked.response = modbus::Pdu::from(unhex(response));
+  return asked;
 }
 
 TEST(ReadCache, TheOldestOfManyMakesRoomForANewOne) {
-  const auto response = *modbus::Pdu::from(unhex("03 02 12 34"));
   bus::ReadCache cache;
   for (std::size_t address = 0; address <= bus::kMostCachedReads; ++address) {
-    cache.put(read_at(address), response, bus::Instant{} + 1ms * address, 0);
+    cache.put(read_at(address), bus::Instant{} + 1ms * address, 0);
   }
   EXPECT_EQ(cache.find(read_at(0), bus::Instant{}), nullptr);
   EXPECT_NE(cache.find(read_at(1), bus::Instant{}), nullptr);
@@ -29,12 +30,21 @@ TEST(ReadCache, TheOldestOfManyMakesRoomForANewOne) {
 
 TEST(ReadCache, ANewerResponseTakesThePlaceOfTheOneBefore) {
   bus::ReadCache cache;
-  cache.put(read_at(0), *modbus::Pdu::from(unhex("03 02 12 34")), bus::Instant{}, 0);
-  const auto newer = *modbus::Pdu::from(unhex("03 02 00 01"));
-  cache.put(read_at(0), newer, bus::Instant{} + 1s, 0);
+  cache.put(read_at(0), bus::Instant{}, 0);
+  const auto newer = read_at(0, "03 02 00 01");
+  cache.put(newer, bus::Instant{} + 1s, 0);
   const modbus::Pdu* found = cache.find(read_at(0), bus::Instant{} + 1s);
   ASSERT_NE(found, nullptr);
-  EXPECT_EQ(*found, newer);
+  EXPECT_EQ(*found, newer.response);
+}
+
+// A gateway with drives behind it, which the configuration takes for one device.
+TEST(ReadCache, DoesNotAnswerForAnotherUnit) {
+  bus::ReadCache cache;
+  cache.put(read_at(0), bus::Instant{}, 0);
+  auto other = read_at(0);
+  other.unit = 2;
+  EXPECT_EQ(cache.find(other, bus::Instant{}), nullptr);
 }
 
 }  // namespace
