@@ -57,7 +57,6 @@ void Bus::handle_lost(Instant now, Loss loss) {
       line.use().has_answered() || (!line.use().was_asked() && !link.is_new(parts_.settings, now));
   if (loss == Loss::closed && link.is_open() && in_order) {
     line.note_closed(now);
-    outcomes_.note_lost();
     dispatch_.rest(now);
     return;
   }

@@ -117,14 +117,13 @@ struct Job {
     return sent.tries > 0 && !sent.in_flight && transactions.size() == 1;
   }
   /// From then on nothing is sent for `job`, which is this one or follows it. If a part of it was
-  /// done, it may be finished after its deadline, a read within five seconds, but nothing is
-  /// repeated. The forms of a broadcast are no parts, nor are checks (must_hold).
+  /// done, it is finished after its deadline, but nothing is repeated. The forms of a broadcast are
+  /// no parts, nor are checks (must_hold).
   [[nodiscard]] Instant ends_at(const Job& job) const {
     const auto is_part = [](const Transaction& it) { return it.must_hold == nullptr; };
     const bool is_begun = sent.tries == 0 && !is_broadcast() &&
                           std::ranges::any_of(std::span(transactions).first(current), is_part);
-    constexpr auto kToFinish = std::chrono::seconds(5);
-    return !is_begun ? job.deadline : job.is_read() ? job.deadline + kToFinish : Instant::max();
+    return is_begun ? Instant::max() : job.deadline;
   }
 };
 

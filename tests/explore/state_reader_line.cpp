@@ -15,8 +15,8 @@ void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Ha
   // driver that holds something: unsent, is_answerless. Empty when the machine was asked for its
   // actions: faults, refused, end.
   const auto& [settings, silence, paced, counters, faults, echo, framer, transaction, response_due,
-               response_deadline, response_wait, owed, misfit, may_be_echo, refused, draining,
-               heard, heard_at, unpaced_reported, unsent, is_answerless, end] = line;
+               response_deadline, is_hurried, response_wait, owed, misfit, may_be_echo, refused,
+               draining, heard, heard_at, unpaced_reported, unsent, is_answerless, end] = line;
   // A setting: timing.
   const auto& [its_settings, timing, pause, quiet_since, busy_since, settling_until,
                listening_until, turnaround_until, emission_ends] = silence;
@@ -36,6 +36,7 @@ void StateReader::read(const bus::SerialDiscipline& line, const Sight& sight, Ha
     hash.since(emission_ends, kFarPast);
     hash.since(response_due, kFarPast);
     hash.since(response_deadline, kFarPast);
+    hash.add(is_hurried);
     hash.add(response_wait);
     hash.add(owed.size());
     for (const bus::OwedAnswer& it : owed) {

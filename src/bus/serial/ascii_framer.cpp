@@ -34,7 +34,6 @@ void AsciiFramer::expect(const Transaction& transaction, Instant sent) {
   is_paced_ = sent != Instant::min();
   hurried_.reset();
   is_earlier_ = !buffer_.empty();
-  restarts_ = 0;
   taken_ = 0;
   found_.pdu.reset();
   const auto frame = modbus::encode_ascii(transaction.address, transaction.request.pdu());
@@ -99,7 +98,6 @@ Verdict AsciiFramer::again(Instant now) {
 Verdict AsciiFramer::take(std::uint8_t character, Instant now) {
   ++taken_;
   if (character == modbus::kAsciiStart || buffer_.size() == buffer_.capacity()) {
-    restarts_ += in_progress() ? 1U : 0U;
     discard();
   }
   if (!may_stand_in_frame(character)) {
@@ -181,7 +179,6 @@ bool AsciiFramer::in_progress() const {
   const std::size_t known = std::min(buffer_.size(), start_.size());
   const bool is_short = buffer_.size() < longest_ || is_whole_;
   return transaction_ != nullptr && !is_earlier_ && known > 0 && is_short &&
-         restarts_ <= kMostRestarts &&
          std::equal(
              start_.begin(), start_.begin() + static_cast<std::ptrdiff_t>(known), buffer_.begin(),
              [](std::uint8_t expected, std::uint8_t seen) { return expected == folded(seen); });

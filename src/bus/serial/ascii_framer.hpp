@@ -20,10 +20,6 @@ namespace mbgate::bus {
 /// From one character of a frame to the next.
 inline constexpr Duration kLongestCharacterGap = std::chrono::seconds(1);
 
-/// How often an answer may begin anew before it is none: a line that babbles must not stand still
-/// for ever.
-inline constexpr unsigned kMostRestarts = 8;
-
 class AsciiFramer {
  public:
   /// `slack` is what a frame may pause in all while a stop waits, and the silence behind a CR that
@@ -83,7 +79,6 @@ class AsciiFramer {
   std::array<std::uint8_t, 3> start_{};  // of an answer: ':' and the address
   std::size_t longest_ = 0;              // that an answer can be
   Instant last_character_;
-  unsigned restarts_ = 0;  // of what seemed to be the answer
   FoundResponse found_;
   Instant began_;             // the frame in the buffer, or the last one
   bool began_first_ = false;  // of all since expect()

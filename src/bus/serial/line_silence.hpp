@@ -31,9 +31,10 @@ class LineSilence {
   }
   /// An own frame of so many bytes begins.
   void note_frame(std::size_t bytes, Instant now) {
+    const bool was_silent = is_silent(now);
     emission_ends_ = now + timing_.duration_of(bytes);
     quiet_since_ = emission_ends_;
-    busy_since_ = emission_ends_;
+    busy_since_ = was_silent ? emission_ends_ : busy_since_;  // it ends no noise
     note_pause(Duration{0});
   }
   /// It is a broadcast: the turnaround delay follows it.

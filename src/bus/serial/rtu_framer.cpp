@@ -70,7 +70,7 @@ void RtuFramer::join_cut() {
 
 bool RtuFramer::is_amid_frame() const {
   if (buffer_.size() < (is_behind_frame_ ? 2U : 1U)) {
-    return false;
+    return buffer_.size() == 0 && cut_.ends_at(last_byte_);
   }
   return (!discarding_ && may_begin_frame(buffer_.bytes())) ||
          cut_.may_go_on(buffer_.bytes(), buffer_.came_at(0), slack_);

@@ -54,6 +54,8 @@ class CutFrame {
   [[nodiscard]] bool may_go_on(modbus::Bytes bytes, Instant began, Duration slack) const;
   /// Is nothing kept? Then nothing can be completed.
   [[nodiscard]] bool empty() const { return kept_.empty(); }
+  /// Is it the beginning of a frame, with `last` the instant of its last byte? One byte is noise.
+  [[nodiscard]] bool ends_at(Instant last) const { return kept_.size() > 1 && last_ == last; }
 
  private:
   using Together = boost::container::static_vector<std::uint8_t, 2 * modbus::kMaxRtuSize>;

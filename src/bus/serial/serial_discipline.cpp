@@ -47,8 +47,8 @@ void SerialDiscipline::open(Instant now, LineKind kind, Instant listen_until) {
 }
 
 void SerialDiscipline::update() {
-  silence_.note_pause(Duration{0});
   framer_.update(settings_);
+  silence_.note_pause(framer_.is_amid_frame() ? settings_.frame_slack_or_default() : Duration{0});
 }
 
 FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::DeviceTiming& timing,
@@ -62,7 +62,7 @@ FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::Device
   silence_.note_frame(frame.size(), now);
   response_wait_ = timing.response_wait;
   owed_ = std::move(owed);
-  misfit_ = may_be_echo_ = false;
+  misfit_ = may_be_echo_ = is_hurried_ = false;
   draining_ = false;
   const Duration answer_time =
       transaction.boot_time ? settings_.turnaround : timing.response_timeout + timing.response_wait;
@@ -81,6 +81,7 @@ FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::Device
 }
 
 void SerialDiscipline::limit_wait(const Transaction& /*transaction*/, Duration longest) {
+  is_hurried_ = true;
   response_deadline_ = std::min(response_deadline_, silence_.emission_ends() + longest);
   framer_.hurry(response_deadline_);
 }
@@ -145,7 +146,8 @@ void SerialDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
   const Echo::Heard heard = echo_.take(bytes, now);
   judge_held(heard.held, now);
   bytes = heard.bytes;
-  if (bytes.empty()) {
+  if (bytes.empty()) {  // of an echo, or of an answer that begins as one
+    silence_.note_pause(echo_.is_unknown() ? settings_.frame_slack_or_default() : Duration{0});
     return;
   }
   draining_ = draining_ || transaction_ == nullptr;
@@ -178,7 +180,8 @@ void SerialDiscipline::handle_deadline(Instant now) {
     }
   }
   judge(framer_.handle_deadline(now), now);
-  if (transaction_ != nullptr && now >= response_deadline_ && !framer_.in_progress()) {
+  if (transaction_ != nullptr && now >= response_deadline_ &&
+      (!framer_.in_progress() || now >= over_at())) {
     if (!transaction_->may_stay_silent() && !misfit_) {
       silence_.note_unanswered(now);
     }
@@ -194,7 +197,13 @@ std::optional<Instant> SerialDiscipline::next_deadline() const {
     return silence_.emission_ends();
   }
   const auto of_frame = framer_.next_deadline();
-  return framer_.in_progress() ? of_frame : earlier(of_frame, response_deadline_);
+  return earlier(of_frame, framer_.in_progress() ? over_at() : response_deadline_);
+}
+
+// What has begun in time is complete by then. An answer that begins anew and anew is none.
+Instant SerialDiscipline::over_at() const {
+  return response_deadline_ + longest_stream(settings_) +
+         (is_hurried_ ? settings_.frame_slack_or_default() : kLongestPauses);
 }
 
 std::optional<UnsolicitedFrame> SerialDiscipline::take_unsolicited() {

@@ -81,6 +81,7 @@ class SerialDiscipline {
   Verdict settle_echo(Verdict verdict, Instant now);
   void judge(Verdict verdict, Instant now);
   void end(LineEnd::How how);
+  [[nodiscard]] Instant over_at() const;
 
   const BusSettings& settings_;
   LineSilence silence_;
@@ -93,6 +94,7 @@ class SerialDiscipline {
   Transaction* transaction_ = nullptr;
   Instant response_due_;       // the end of the response timeout
   Instant response_deadline_;  // the same, or earlier because a stop waits
+  bool is_hurried_ = false;    // because a stop waits
   Duration response_wait_{0};  // the device holds its answer back for so long
   OwedAnswers owed_;           // those that may still come
   bool misfit_ = false;        // a frame came that answers nothing

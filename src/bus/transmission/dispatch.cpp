@@ -115,6 +115,7 @@ bool Dispatch::reopen_if_hung(Instant now) {
 void Dispatch::rest(Instant now) {
   parts_.link.rest(parts_.settings, parts_.line.use().has_answered(), now);
   forget_look();
+  outcomes_.note_lost();
   parts_.line.abort();
   outcomes_.handle_cut(now);
   pump(now);
@@ -128,7 +129,7 @@ void Dispatch::wait_for_line(Instant now) {
     parts_.link.wake(now);
     parts_.actions.push(OpenLine{});
   }
-  if (parts_.link.is_open() || parts_.link.is_reopening()) {
+  if (parts_.link.is_open()) {
     return;
   }
   // Of the time for which a stop has waited, that counts in which the line was not open.
@@ -174,7 +175,6 @@ void Dispatch::go_on_with_stops(Instant now) {
     return found == running.end() ? nullptr : *found;
   };
   while (Job* stop = next_part()) {
-    stop->sent.waits_since = now;
     parts_.transmissions.leave(*stop);
     parts_.stops.push_front(*stop);
   }

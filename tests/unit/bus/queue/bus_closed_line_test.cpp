@@ -187,6 +187,25 @@ TEST_F(BusClosedLine, AReadThatWasOnTheWireThereIsAskedOnceMoreAndAWriteIsNot) {
   }
 }
 
+// Connecting may take longer than that.
+TEST_F(BusClosedLine, AStopWaitsForALineThatIsBeingReopenedUntilItsDeadline) {
+  auto hanging = remote();
+  hanging.hung_after = 1s;
+  hanging.hung_requests = 2;
+  open(hanging, {axis(hanging, 2)});
+  for (int times = 0; times < 12; ++times) {
+    submit(job(kRead));
+    advance(300ms);
+  }
+  ASSERT_TRUE(bus_->link().is_reopening());
+  endings_.clear();
+  submit(job(kStop, 2));
+  advance(1999ms);
+  EXPECT_THAT(endings_, IsEmpty());
+  advance(1ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::closed));
+}
+
 TEST_F(BusClosedLine, WhatAStopCutsShortIsNeitherAnsweredNorUnanswered) {
   auto slow = settings();
   slow.timing.response_timeout = 1s;
