@@ -180,8 +180,12 @@ void Dispatch::go_on_with_stops(Instant now) {
   }
 }
 
-// What is in the way of a stop has its time for an answer, and no more.
+// What is in the way of a stop has its time for an answer, and no more. Where identifiers tell
+// answers apart that is another stop to the same drive, and its answer hinders nobody.
 void Dispatch::limit_waits(Instant now) {
+  if (!parts_.quarantines()) {
+    return;
+  }
   parts_.stops.visit([&](const Job& stop) {
     const Job* other = in_the_way_of(parts_, stop);
     if (other != nullptr && may_cut(parts_, stop, now)) {

@@ -27,6 +27,20 @@ TEST_F(BusTcp, TwoStopsToOneDeviceGoOneAfterTheOther) {
   EXPECT_THAT(frames_, SizeIs(2));
 }
 
+TEST_F(BusTcp, AndNeitherCutsTheOtherShort) {
+  auto slow = tcp();
+  slow.timing.response_timeout = 1s;
+  open(slow, {axis(slow, 3)});
+  submit(job_of(0, kStop, 3));
+  submit(job_of(1, kStopBy16, 3));
+  advance(150ms);
+  answer(0, std::string("03 ") + kStop);
+  advance(150ms);
+  answer(1, "03 10 00 7C 00 01");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::answered));
+  EXPECT_THAT(frames_, SizeIs(2));
+}
+
 TEST_F(BusTcp, WhatGoesBetweenTwoTriesOfAStopIsNotCutOffByTheStopBesideIt) {
   auto slow = tcp(2);
   slow.timing.response_timeout = 1s;
