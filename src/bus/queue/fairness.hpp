@@ -35,10 +35,10 @@ class LastSent {
   Instant ended_at_;
 };
 
-// Lost time is paid back. After a transmission that nobody has answered, requests to devices that
-// do not answer wait for as long again as it took, while other devices answer. So dead drives take
-// half of the time of a line at most, and delay a write to a drive that is well by the running
-// transaction alone.
+// Lost time is paid back. After a transmission that nobody has answered, reads of devices that do
+// not answer wait for as long again as it took, while other devices answer, and writes to them let
+// other writes go first. So dead drives take half of the time of a line at most, and delay a write
+// to a drive that is well by the running transaction alone.
 
 class Payback {
  public:

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bitset>
+#include <utility>
 
 namespace mbgate::bus {
 
@@ -68,8 +69,9 @@ std::optional<Scheduler::Choice> Scheduler::next_turn(Passing passing, Instant n
 bool Scheduler::goes_before_repeated(const Choice& choice, const Choice& repeated) const {
   const bool is_of_first_class =
       is_write(choice.job->job_class) && repeated.job->is_read() && !reads_go_first();
-  const bool is_paid =
-      parts_.payback.is_due(repeated.at()) && !parts_.devices[choice.job->address()].is_silent();
+  const bool is_paid = parts_.payback.is_due(repeated.at()) &&
+                       !parts_.devices[choice.job->address()].is_silent() &&
+                       is_write(choice.job->job_class) >= is_write(repeated.job->job_class);
   return choice.at() < repeated.at() ||
          (choice.at() == repeated.at() && (is_of_first_class || is_paid));
 }
@@ -90,13 +92,18 @@ Job* Scheduler::next_repeated(Passing passing, Instant now) const {
 
 // Jobs are looked at in the order of their turns. The first that only waits for the line goes next,
 // also if it needs a longer silence than others (`gap`). One whose device is held back or busy lets
-// those to other devices pass.
+// those to other devices pass. While lost time is paid back, writes to devices that do not answer
+// are the last of their class.
 std::optional<Scheduler::Choice> Scheduler::next_waiting(Passing passing, Instant now) const {
   const Instant soonest = std::max(now, parts_.line.ready_at(Duration{0}));
   std::optional<Choice> best;
   std::bitset<kAddresses> claimed;  // by jobs that wait for what is in flight to their device
   bool decided = false;
+  bool pays = parts_.payback.is_due(now);
   const auto look = [&](Job& job) {
+    if (pays && is_write(job.job_class) && parts_.devices[job.address()].is_silent()) {
+      return false;
+    }
     const std::uint8_t address = job.transaction().address;
     if (passing == Passing::stops && !may_pass_stops(job, now)) {
       return false;
@@ -112,11 +119,19 @@ std::optional<Scheduler::Choice> Scheduler::next_waiting(Passing passing, Instan
     decided = choice.at() == soonest || choice.when.ends_silence;
     return decided;
   };
-  const JobClass first = reads_go_first() ? JobClass::read : JobClass::write;
-  parts_.queue.visit_candidates(first, look);
-  if (!decided) {
-    parts_.queue.visit_candidates(first == JobClass::read ? JobClass::write : JobClass::read, look);
+  const auto look_among = [&](JobClass job_class) {
+    if (!decided) {
+      parts_.queue.visit_candidates(job_class, look);
+    }
+  };
+  if (reads_go_first()) {
+    look_among(JobClass::read);
   }
+  look_among(JobClass::write);
+  if (std::exchange(pays, false)) {
+    look_among(JobClass::write);
+  }
+  look_among(JobClass::read);
   return best;
 }
 
@@ -148,7 +163,7 @@ Instant held_until(const Parts& parts, const Job& job) {
   const bool repeats_read =
       job.sent.tries > 0 && next == job.current && transaction.request.is_read();
   const Instant free =
-      entry.is_silent() && !transaction.is_broadcast()
+      entry.is_silent() && !is_write(job.job_class)
           ? std::max(entry.free_at, parts.payback.until(transaction.address, recently))
           : entry.free_at;
   return parts.quarantines()

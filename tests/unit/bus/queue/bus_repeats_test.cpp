@@ -168,8 +168,8 @@ TEST_F(BusRepeats, AStopIsNotTheTurnOfItsDevice) {
   EXPECT_THAT(served(600ms), ElementsAre(2, 2, 1));
 }
 
-// The write may be repeated 20 ms after its timeout; the read has waited for longer.
-TEST_F(BusRepeats, AWriteThatIsRepeatedHasOneTurnBetweenTwoTriesOfAReadToo) {
+// The write may be repeated 20 ms after its timeout.
+TEST_F(BusRepeats, AWriteThatIsRepeatedGoesBeforeReads) {
   auto repeating = settings();
   repeating.timing.retries = 1;
   repeating.timing.retry_writes = true;
@@ -181,7 +181,7 @@ TEST_F(BusRepeats, AWriteThatIsRepeatedHasOneTurnBetweenTwoTriesOfAReadToo) {
   for (std::uint8_t address = 2; address < 6; ++address) {
     submit(job_of(address, kRead, address));
   }
-  EXPECT_THAT(served(600ms), ElementsAre(8, 2, 3, 4, 5, 1, 8));
+  EXPECT_THAT(served(600ms), ElementsAre(8, 2, 3, 8, 4, 5, 1));
 }
 
 TEST_F(BusRepeats, AReadOfADeviceThatABroadcastMadeBootGoesOnWhenItHas) {
@@ -268,6 +268,35 @@ TEST_F(BusRepeats, ARepeatedStopHasAsMuchTimeAsTheFirst) {
   for (std::size_t at = 1; at < 12; ++at) {
     EXPECT_GE(frame_times_[at] - frame_times_[at - 1], 100ms) << at;
   }
+}
+
+// Payback never lets a read go before a write.
+TEST_F(BusRepeats, AWriteDoesNotWaitWhileLostTimeIsPaidBack) {
+  auto slow = settings();
+  slow.timing.response_timeout = 1s;
+  slow.timing.quarantine = 0ms;
+  open(slow);
+  const auto answered = [this](std::uint8_t address) {
+    submit(job(kRead, address));
+    advance(20ms);
+    refuse(address);
+    advance(10ms);
+  };
+  submit(job(kRead, 3));
+  advance(1020ms);  // 3 has lost one frame
+  answered(2);
+  submit(job(kRead, 4));
+  advance(1020ms);  // the loss that is paid back
+  answered(2);
+  const std::size_t before = frames_.size();
+  submit(job_of(1, kRead, 2));
+  submit(job_of(2, "06 0001 0001", 3));
+  advance(20ms);
+  refuse(2);
+  submit(job_of(1, kRead, 2));
+  advance(20ms);
+  ASSERT_GT(frames_.size(), before + 1);
+  EXPECT_EQ(frames_[before + 1].substr(0, 5), "03 06");
 }
 
 }  // namespace
