@@ -68,6 +68,9 @@ void Bus::handle_lost(Instant now, Loss loss) {
   if (parts_.stopping) {
     link.stop();
   }
+  if (!parts_.stopping) {
+    outcomes_.handle_cut_stops(now);
+  }
   ends_.end_running(Ending::closed);
   // A stop has the line opened at once, and only the failure of that is its end.
   ends_.end_waiting(Ending::closed, parts_.stopping ? Instant::max()

@@ -23,6 +23,8 @@ class Outcomes {
       : parts_(parts), ends_(ends), diagnosis_(diagnosis) {}
 
   void handle_end(LineEnd end, Instant now);
+  /// The line was lost: stops that were in flight are sent once more, if they may be.
+  void handle_cut_stops(Instant now);
   /// A connection was closed by the server: what was in flight has no answer.
   void handle_cut(Instant now);
   /// The line is lost: devices may still answer what was on the wire.

@@ -121,9 +121,20 @@ void Outcomes::part_from_untried(Job& stop) {
   parts_.stops.push_in_order(heir);
 }
 
+void Outcomes::handle_cut_stops(Instant now) {
+  const auto running = parts_.transmissions.running();
+  for (Job* cut : std::vector(running.begin(), running.end())) {
+    if (cut->is_stop() && std::exchange(cut->sent.in_flight, false)) {
+      parts_.probes.note_unanswered(*cut, now);
+      handle_failure(*cut, now);
+    }
+  }
+}
+
 // Nobody knows whether the server has done what was on its way. A read does no harm if it is done
 // twice; if the next connection is closed too before its answer, it has failed.
 void Outcomes::handle_cut(Instant now) {
+  handle_cut_stops(now);
   const auto running = parts_.transmissions.running();
   for (Job* cut : std::vector(running.begin(), running.end())) {
     if (!std::exchange(cut->sent.in_flight, false)) {
@@ -131,10 +142,7 @@ void Outcomes::handle_cut(Instant now) {
     }
     parts_.probes.note_unanswered(*cut, now);
     const std::size_t current = cut->current;
-    if (cut->is_stop()) {
-      handle_failure(*cut, now);
-    } else if (cut->transaction().request.is_read() && !cut->sent.is_probe &&
-               cut->sent.cut != current) {
+    if (cut->transaction().request.is_read() && !cut->sent.is_probe && cut->sent.cut != current) {
       cut->sent.cut = current;
     } else {
       ends_.finish(*cut, Ending::no_answer);
