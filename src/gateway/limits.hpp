@@ -70,10 +70,6 @@ inline constexpr std::size_t kToldValues = 8;
 /// (RFC 5280, ub-common-name).
 inline constexpr std::size_t kToldName = 64;
 
-/// That requests of a client are refused because they come too fast is told so often: who is too
-/// fast is so for hours.
-inline constexpr bus::Duration kOverRateToldEvery = std::chrono::minutes(1);
-
 /// A deadline that is so late is missed: longer than a loaded machine keeps a process waiting.
 inline constexpr bus::Duration kOverdue = std::chrono::seconds(1);
 

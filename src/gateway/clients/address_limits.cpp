@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/clients/address_limits.hpp"
 
-#include "gateway/limits.hpp"
-
 namespace mbgate::gateway {
 bool AddressLimits::is_full(const ClientInfo& info, const ListenerSettings& listener) const {
   const auto known = entries_.find(place_of(info, listener));
@@ -42,15 +40,6 @@ bool AddressLimits::may_ask(const ClientSession& session, Instant now) {
     requests.take(most, now);
   }
   return has_room;
-}
-
-bool AddressLimits::may_be_reported(const ClientSession& session, Instant now) {
-  std::optional<Instant>& reported_at = entries_.at(place_of(session)).reported_at;
-  if (reported_at && now < *reported_at + kOverRateToldEvery) {
-    return false;
-  }
-  reported_at = now;
-  return true;
 }
 
 }  // namespace mbgate::gateway

@@ -27,8 +27,6 @@ class AddressLimits {
 
   /// May the client ask something now? If so, it has. Stops need not ask.
   [[nodiscard]] bool may_ask(const ClientSession& session, Instant now);
-  /// Is the operator to be told now that requests of this client are refused? Once a minute.
-  [[nodiscard]] bool may_be_reported(const ClientSession& session, Instant now);
 
  private:
   using Key = std::pair<ListenerId, ClientKey>;
@@ -36,7 +34,6 @@ class AddressLimits {
     std::size_t connections = 0;
     SecondRate connects;
     SecondRate requests;
-    std::optional<Instant> reported_at;
   };
   static Key place_of(const ClientInfo& info, const ListenerSettings& listener) {
     return {info.listener, key_of(info, listener)};

@@ -202,7 +202,7 @@ bool Clients::may_ask(const ClientSession& session, Instant now) {
     return true;
   }
   ++sessions_.counters(session.info().listener).over_rate;
-  if (limits_.may_be_reported(session, now)) {
+  if (over_rate_.note(session.info(), now)) {
     actions_.push(Report{ClientOverRate{asker_of(session.info())}});
   }
   return false;
@@ -216,15 +216,16 @@ void Clients::set_timer(ClientSession& session, Instant now) {
 // The stops that it has sent are still taken.
 void Clients::leave(ClientSession& session, Instant now) {
   session.is_leaving = true;
-  drop_requests(session);  // before a stop sets the bus going
+  drop_requests(session, now);  // before a stop sets the bus going
   while (Request* stop = intake_.take_stop(session, now)) {
     requests_.accept(session, *stop, now);
   }
 }
 
-void Clients::drop_requests(ClientSession& session) {
+void Clients::drop_requests(ClientSession& session, Instant now) {
   for (const std::uint32_t exchange : std::exchange(session.exchanges, {})) {
     exchanges_[exchange].client_gone = true;
+    sessions_.counters(session.info().listener).recent.note_unanswered(now);
     exchanges_.cancel(exchange);
   }
 }
@@ -235,7 +236,7 @@ void Clients::close(ClientSession& session, Instant now) {
 }
 
 void Clients::forget(ClientSession& session, Instant now) {
-  drop_requests(session);
+  drop_requests(session, now);
   failsafe_.client_gone(session.id(), now);
   limits_.left(session);
   sessions_.close(session);

@@ -63,7 +63,7 @@ class Clients {
   void set_timer(ClientSession& session, Instant now);
   void leave(ClientSession& session, Instant now);
   /// Nobody is told what becomes of its requests.
-  void drop_requests(ClientSession& session);
+  void drop_requests(ClientSession& session, Instant now);
   void close(ClientSession& session, Instant now);
   /// Its connection is gone.
   void forget(ClientSession& session, Instant now);
@@ -77,6 +77,7 @@ class Clients {
   Requests requests_;
   AddressLimits limits_;
   ReportLimit logins_{kActsReported};
+  ReportLimit over_rate_{kDenialsReported};
 };
 
 }  // namespace mbgate::gateway

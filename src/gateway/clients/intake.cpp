@@ -176,7 +176,7 @@ void Intake::notice_unrouted(const ClientSession& session, const Request& reques
   const bool is_unrouted = request.route == nullptr && request.verdict.permitted &&
                            request.refused != ExceptionCode::server_device_busy;
   if (is_unrouted && unrouted_reported_.size() < kUnroutedTold &&
-      unrouted_reported_.emplace(info.listener, info.address).second) {
+      unrouted_reported_.emplace(info.listener, info.address.counted_as()).second) {
     actions_.push(Report{UnitNotRouted{asker_of(info), request.adu.header.unit,
                                        settings_.in_force().routes.units(info.listener)}});
   }

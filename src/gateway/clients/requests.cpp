@@ -106,7 +106,9 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
     session.exchanges.push_back(index);
     exchange.answer = session.answers.open();
   }
-  exchange.arrival = exchange.plan->is_read() ? request.read_at : request.arrival;
+  const bool waited_through_start = request.is_stop && request.arrival == Instant::min();
+  exchange.arrival =
+      exchange.plan->is_read() || waited_through_start ? request.read_at : request.arrival;
   exchange.deadline = exchanges_.deadline_of(exchange);
   exchange.is_stop = request.is_stop;
   exchange.sequence = rules_.note_accepted(*exchange.plan, origin, now);
@@ -266,14 +268,17 @@ void Requests::complete(std::uint32_t index, Instant now) {
     session->exchanges.erase(std::ranges::find(session->exchanges, index));
     session->held.erase(std::ranges::remove(session->held, index).begin(), session->held.end());
     const auto adu = adu_of(exchange);
+    ListenerCounters& counters = sessions_.counters(exchange.listener);
     if (exchange.failed) {
       ++session->refused;
-      sessions_.counters(exchange.listener)
-          .note_refused(exchange.plan->is_read(), code_of(adu->pdu), now);
+      counters.note_refused(exchange.plan->is_read(), code_of(adu->pdu), now);
     }
     std::optional<DueAnswers::Answer> answer;
     if (adu && !exchange.is_replaced) {
       answer = answer_of(*session, *adu, exchange.arrival, exchange.is_stop);
+    }
+    if (!exchange.failed) {
+      counters.recent.note_ended(!adu || (answer && now <= answer->until), now);
     }
     send(*session, exchange.answer, answer, now);
     start_held(*session, now);

@@ -172,6 +172,9 @@ void Sessions::clear_counters() {
 void Sessions::adopt(const Settings& next, Instant now) {
   settings_ = &next;
   counters_.resize(next.listeners.size());
+  for (ListenerCounters& counters : counters_) {
+    counters.recent = {};  // it was of other devices, or times
+  }
   for (ClientSession& session : open()) {
     session.adopt(next.listener(session.info().listener));
     session.note_reload(now);

@@ -45,16 +45,32 @@ struct RecentFailures {
     const auto code = static_cast<modbus::ExceptionCode>(exception);
     if (code == server_device_busy || code == gateway_path_unavailable ||
         code == gateway_target_failed_to_respond) {
-      ++failures;
-      last = exception;
-      failed_at = now;
+      note_failed(exception, now);
+    }
+  }
+  /// Its client has gone, has given up or has asked again before there was an answer.
+  void note_unanswered(Instant now) { note_failed(0, now); }
+  /// The gateway has not failed it. `answered`: nor has its client given up.
+  void note_ended(bool answered, Instant now) {
+    is_failing = false;
+    if (!answered) {
+      note_unanswered(now);
     }
   }
 
   unsigned requests = 0;
   unsigned failures = 0;
-  std::uint8_t last = 0;  ///< its exception
+  std::uint8_t last = 0;  ///< its exception; 0: there was no answer
   Instant failed_at = Instant::min();
+  bool is_failing = false;  ///< the last request has failed
+
+ private:
+  void note_failed(std::uint8_t exception, Instant now) {
+    ++failures;
+    last = exception;
+    failed_at = now;
+    is_failing = true;
+  }
 };
 
 struct ListenerCounters {

@@ -153,7 +153,7 @@ class LineReader {
     std::int64_t nanoseconds = 0;
     number(nanoseconds, "an instant in nanoseconds");
     if (nanoseconds > 0) {
-      since = Instant(Duration(nanoseconds));
+      since = nanoseconds == 1 ? Instant::min() : Instant(Duration(nanoseconds));
     }
   }
   void kind(bus::LineKind& kind) {

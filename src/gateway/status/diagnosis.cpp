@@ -191,21 +191,25 @@ Devices tried_on(const StatusReport& report, std::size_t bus) {
 
 // Not all is well where more than one request in a hundred fails, whatever the reason.
 void diagnose_failures(const StatusReport& report, std::vector<Diagnosis>& found) {
-  constexpr unsigned kLeast = 5;
   constexpr unsigned kPercent = 100;
-  constexpr auto kJustNow = std::chrono::minutes(1);
   for (const ListenerStatus& listener : report.listeners) {
     const RecentFailures& recent = listener.counters.recent;
-    if (!listener.last_failure || *listener.last_failure >= kJustNow || recent.failures < kLeast ||
+    // Clients may ask seldom, and what has succeeded since was perhaps mended.
+    const Duration lately = std::chrono::minutes(recent.is_failing ? 10 : 1);
+    const unsigned least = recent.is_failing ? 3 : 5;
+    if (listener.last_failure.value_or(lately) >= lately || recent.failures < least ||
         recent.failures * kPercent <= recent.requests) {
       continue;
     }
-    found.push_back({Rank::bad_answers, "listener " + listener.name,
-                     fmt::format("{} % of its requests fail",
-                                 std::min(recent.failures * kPercent / recent.requests, kPercent)),
-                     fmt::format("{} of the last {}; the last one got {}", recent.failures,
-                                 recent.requests, modbus::exception_text(recent.last)),
-                     "TIMEOUTS of the devices; the journal says what was refused, and why"});
+    found.push_back(
+        {Rank::bad_answers, "listener " + listener.name,
+         fmt::format("{} % of its requests fail",
+                     std::min(recent.failures * kPercent / recent.requests, kPercent)),
+         fmt::format("{} of the last {}; the last one got {}", recent.failures, recent.requests,
+                     recent.last == 0 ? "no answer before its client gave up"
+                                      : modbus::exception_text(recent.last)),
+         recent.last == 0 ? "the timeout of the client, and the times of the devices"
+                          : "TIMEOUTS of the devices; the journal says what was refused, and why"});
   }
 }
 

@@ -24,7 +24,7 @@ std::optional<WaitingClient> most_waiting(const bus::Bus& bus, const Sessions& s
     return std::nullopt;
   }
   const bool others_ask = std::ranges::any_of(sessions.open(), [&](const ClientSession& client) {
-    return client.requests > 0 && client.info().address != *address;
+    return client.requests > 0 && client.turns->key != most->source;
   });
   return WaitingClient{address->to_text(), most->requests, most->of, now - most->since, others_ask};
 }

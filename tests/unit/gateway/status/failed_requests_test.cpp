@@ -59,5 +59,41 @@ TEST(FailedRequests, AreNotNamedWhereFewerThanOneInAHundredFail) {
   }
 }
 
+constexpr auto kGivenUp =
+    "no answer before its client gave up | the timeout of the client, and the times of the devices";
+
+TEST(FailedRequests, AreThoseTooThatNobodyWaitedFor) {
+  Settings settings = troubled_plant();
+  settings.listeners[0].give_up = 50ms;
+  Trouble trouble(settings);
+  for (int times = 0; times < 4; ++times) {
+    trouble.rig.receive(1, read_request(1));
+    trouble.rig.advance(70ms);
+    trouble.rig.respond(kAnswerOfAxis);
+    trouble.rig.advance(1s);
+  }
+  EXPECT_THAT(trouble.diagnoses(),
+              ElementsAre(std::string("listener plant: 100 % of its requests fail | 4 of the last "
+                                      "4; the last one got ") +
+                          kGivenUp));
+}
+
+TEST(FailedRequests, AreThoseTooWhoseClientHasGone) {
+  Trouble trouble(troubled_plant());
+  for (std::uint64_t client = 2; client < 6; ++client) {
+    trouble.rig.connect(client);
+    trouble.rig.receive(client, read_request(1));
+    trouble.rig.advance(50ms);
+    trouble.rig.disconnect(client);
+    trouble.rig.advance(10ms);
+    trouble.rig.respond(kAnswerOfAxis);
+    trouble.rig.advance(2min);
+  }
+  EXPECT_THAT(trouble.diagnoses(),
+              ElementsAre(std::string("listener plant: 100 % of its requests fail | 4 of the last "
+                                      "4; the last one got ") +
+                          kGivenUp));
+}
+
 }  // namespace
 }  // namespace mbgate::test
