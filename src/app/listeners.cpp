@@ -55,7 +55,7 @@ bool Listeners::listen(ListenerId id, const ListenerSettings& listener,
   }
   auto stored = stored_ != nullptr ? stored_->claim(listener) : sys::UniqueFd();
   return keep(id, listener,
-              stored.is_open() ? io::resume_listener(context_, listener, std::move(stored))
+              stored.is_open() ? io::adopt_listener(context_, listener, std::move(stored))
                                : bind_(context_, listener));
 }
 

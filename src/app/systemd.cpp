@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/systemd.hpp"
 
+#include <fcntl.h>
 #include <systemd/sd-daemon.h>
 
+#include <atomic>
+#include <boost/asio/post.hpp>
+#include <boost/asio/thread_pool.hpp>
 #include <cstdint>
 #include <cstdlib>
 #include <ctime>
+#include <fmt/core.h>
 #include <memory>
 #include <utility>
 
@@ -21,6 +26,41 @@ using Allocated = std::unique_ptr<Value, void (*)(void*)>;
 /// cost half of the limit.
 constexpr int kLooksAgain = 10;
 
+/// Sends what systemd is told, in order, from a thread of its own: sendmsg() blocks as long as
+/// nobody reads the socket (a systemd that reloads its units, or has crashed), and the lines must
+/// not wait for that. Never destroyed, as the thread may hang in it when the process ends.
+class Notifier {
+ public:
+  /// False: there is no systemd. `socket`: it gets a duplicate.
+  bool send(std::string text, std::optional<int> socket = std::nullopt) {
+    if (std::getenv("NOTIFY_SOCKET") == nullptr) {
+      return false;
+    }
+    if (waiting_ < kMostWaiting) {
+      ++waiting_;
+      const auto copy = std::make_shared<sys::UniqueFd>(
+          socket ? ::fcntl(*socket, F_DUPFD_CLOEXEC, 0) : sys::UniqueFd().get());
+      boost::asio::post(writer_, [this, text = std::move(text), copy] {
+        const int descriptor = copy->get();
+        ::sd_pid_notify_with_fds(0, 0, text.c_str(), &descriptor, copy->is_open() ? 1 : 0);
+        --waiting_;
+      });
+    }
+    return true;
+  }
+
+ private:
+  static constexpr int kMostWaiting = 100;
+
+  std::atomic<int> waiting_ = 0;
+  boost::asio::thread_pool writer_{1};
+};
+
+bool notify(std::string text, std::optional<int> socket = std::nullopt) {
+  static auto& notifier = *new Notifier;  // NOLINT(cppcoreguidelines-owning-memory)
+  return notifier.send(std::move(text), socket);
+}
+
 }  // namespace
 
 std::vector<InheritedSocket> take_inherited_sockets() {
@@ -35,22 +75,20 @@ std::vector<InheritedSocket> take_inherited_sockets() {
   return sockets;
 }
 
-void notify_ready(const std::string& status) {
-  ::sd_notify(0, ("READY=1\nSTATUS=" + status).c_str());
-}
+void notify_ready(const std::string& status) { notify("READY=1\nSTATUS=" + status); }
 
-void notify_status(const std::string& status) { ::sd_notify(0, ("STATUS=" + status).c_str()); }
+void notify_status(const std::string& status) { notify("STATUS=" + status); }
 
 void notify_reloading() {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC, &now);
   constexpr long kMicrosecond = 1000;
   constexpr long kSecond = 1'000'000;
-  ::sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%lld\nSTATUS=reading the configuration",
-               static_cast<long long>(now.tv_sec) * kSecond + now.tv_nsec / kMicrosecond);
+  notify(fmt::format("RELOADING=1\nMONOTONIC_USEC={}\nSTATUS=reading the configuration",
+                     now.tv_sec * kSecond + now.tv_nsec / kMicrosecond));
 }
 
-void notify_stopping() { ::sd_notify(0, "STOPPING=1\nSTATUS=stopping"); }
+void notify_stopping() { notify("STOPPING=1\nSTATUS=stopping"); }
 
 std::optional<std::chrono::microseconds> watchdog_limit() {
   std::uint64_t microseconds = 0;
@@ -60,18 +98,15 @@ std::optional<std::chrono::microseconds> watchdog_limit() {
   return std::chrono::microseconds(microseconds);
 }
 
-void notify_alive() { ::sd_notify(0, "WATCHDOG=1"); }
+void notify_alive() { notify("WATCHDOG=1"); }
 
 // Without FDPOLL=0: systemd then lets go by itself of a socket that was shut down, and one that
 // listens never hangs up.
 bool store_socket(const std::string& name, int socket) {
-  const std::string text = "FDSTORE=1\nFDNAME=" + name;
-  return ::sd_pid_notify_with_fds(0, 0, text.c_str(), &socket, 1) > 0;
+  return notify("FDSTORE=1\nFDNAME=" + name, socket);
 }
 
-void remove_stored_socket(const std::string& name) {
-  ::sd_notify(0, ("FDSTOREREMOVE=1\nFDNAME=" + name).c_str());
-}
+void remove_stored_socket(const std::string& name) { notify("FDSTOREREMOVE=1\nFDNAME=" + name); }
 
 Watchdog::Watchdog(boost::asio::io_context& context, std::function<bool()> is_well,
                    std::function<void()> feed)

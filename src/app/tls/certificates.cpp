@@ -27,7 +27,7 @@ void Certificates::use(io::TlsContexts contexts) {
 
 void Certificates::tell() {
   for (const auto& warning : io::warnings_of(contexts_, std::chrono::system_clock::now())) {
-    log_.write(Level::warning, warning, {.id = message_id::kCertificateEnds});
+    log_.write_limited(Level::warning, warning, warning, {.id = message_id::kCertificateEnds});
   }
   timer_.expires_after(std::chrono::hours(24));
   timer_.async_wait([this](const boost::system::error_code& error) {

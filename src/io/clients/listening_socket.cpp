@@ -150,6 +150,9 @@ Result<tcp::acceptor, ListenFailure> adopt_listener(boost::asio::io_context& con
     acceptor.non_blocking(true, error);
   }
   set_connection_options(acceptor, listener.tcp, error);
+  if (!error) {
+    acceptor.listen(static_cast<int>(listener.tcp.backlog), error);
+  }
   if (error) {
     return refusal(listener, "the socket from systemd", error.message());
   }
@@ -167,20 +170,6 @@ bool is_bound_for(const gateway::ListenerSettings& listener, int socket) {
   at.resize(size);
   return at == tcp::endpoint(address, listener.port) &&
          (address.is_v4() || option_of(socket, IPPROTO_IPV6, IPV6_V6ONLY) == 1);
-}
-
-Result<tcp::acceptor, ListenFailure> resume_listener(boost::asio::io_context& context,
-                                                     const gateway::ListenerSettings& listener,
-                                                     sys::UniqueFd socket) {
-  auto acceptor = adopt_listener(context, listener, std::move(socket));
-  if (acceptor) {
-    error_code error;
-    acceptor->listen(static_cast<int>(listener.tcp.backlog), error);
-    if (error) {
-      return refusal(listener, "the socket from systemd", error.message());
-    }
-  }
-  return acceptor;
 }
 
 std::string to_text(const tcp::endpoint& endpoint) {

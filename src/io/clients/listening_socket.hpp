@@ -34,10 +34,6 @@ Result<boost::asio::ip::tcp::acceptor, ListenFailure> adopt_listener(
 /// A socket that listens at just the address and port of the settings, as bind_listener() makes it:
 /// all of its other options can still be changed.
 bool is_bound_for(const gateway::ListenerSettings& listener, int socket);
-/// Takes over such a socket, which an earlier process has bound.
-Result<boost::asio::ip::tcp::acceptor, ListenFailure> resume_listener(
-    boost::asio::io_context& context, const gateway::ListenerSettings& listener,
-    sys::UniqueFd socket);
 
 /// "127.0.0.1:502" or "[::1]:502"
 std::string to_text(const boost::asio::ip::tcp::endpoint& endpoint);

@@ -90,7 +90,7 @@ void TcpServer::stop() {
 boost::asio::awaitable<void> TcpServer::run() {
   while (true) {
     const auto [error] = co_await acceptor_.async_wait(tcp::acceptor::wait_read, kAsTuple);
-    if (error) {
+    if (error || !acceptor_.is_open()) {
       co_return;
     }
     Outcome outcome = Outcome::accepted;

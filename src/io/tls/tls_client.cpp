@@ -66,6 +66,9 @@ boost::asio::awaitable<void> TlsClient::carry() {
 boost::asio::awaitable<void> TlsClient::carry_up() {
   while (socket_.is_open()) {
     shared_.look_for_stall();
+    if (!socket_.is_open()) {
+      co_return;  // what came in the stall has ended it
+    }
     const Step step = read_up();
     if (!hand_up()) {
       if (!co_await wait_for_room()) {

@@ -282,12 +282,11 @@ TEST_F(BusRepeats, AWriteDoesNotWaitWhileLostTimeIsPaidBack) {
     refuse(address);
     advance(10ms);
   };
-  submit(job(kRead, 3));
-  advance(1020ms);  // 3 has lost one frame
-  answered(2);
-  submit(job(kRead, 4));
-  advance(1020ms);  // the loss that is paid back
-  answered(2);
+  for (const std::uint8_t lost : {3, 4}) {  // 4 is the loss that is paid back
+    submit(job(kRead, lost));
+    advance(1020ms);
+    answered(2);
+  }
   const std::size_t before = frames_.size();
   submit(job_of(1, kRead, 2));
   submit(job_of(2, "06 0001 0001", 3));

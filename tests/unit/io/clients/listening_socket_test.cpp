@@ -57,7 +57,7 @@ TEST(ListeningSocket, OfAnEarlierProcessGetsTheOptionsOfNow) {
   listener.tcp.keepalive_idle = bus::Duration::zero();
   listener.tcp.backlog = 1;
   TestClient waiting(context, *before);
-  auto after = resume_listener(context, listener, sys::UniqueFd(before->release()));
+  auto after = adopt_listener(context, listener, sys::UniqueFd(before->release()));
   ASSERT_TRUE(after.has_value()) << after.error().why;
   EXPECT_EQ(option_of(after->native_handle(), SOL_SOCKET, SO_KEEPALIVE), 0);
   tcp_info info{};
