@@ -179,7 +179,7 @@ class Arrows(unittest.TestCase):
             for name in ("world", "explore", "mutations"):
                 (tests / name).mkdir(parents=True)
             (tests / "world/a.cpp").write_text("\n" * 10_500, encoding="utf-8")
-            (tests / "explore/a.hpp").write_text("\n" * 2_890, encoding="utf-8")
+            (tests / "explore/a.hpp").write_text("\n" * 2_900, encoding="utf-8")
             self.assertEqual(arrows.check_budgets(pathlib.Path(folder)), [])
             (tests / "world/b.cpp").write_text("\n", encoding="utf-8")
             for page in (tests / "README.md", tests.parent / "README.md"):
@@ -192,7 +192,7 @@ class Arrows(unittest.TestCase):
                 arrows.check_budgets(pathlib.Path(folder)),
                 [f"src: has {arrows.MOST_SOURCE_LINES + 1} lines, more than {arrows.MOST_SOURCE_LINES}",
                  "tests/{world,judge}: have 10501 lines, more than 10500",
-                 "tests/{world,judge,simulation,explore}: have 13391 lines, more than 13390",
+                 "tests/{world,judge,simulation,explore}: have 13401 lines, more than 13400",
                  "tests/mutations: has 31 patches, more than 30",
                  "README.md: has 201 lines, more than 200",
                  "tests/README.md: has 201 lines, more than 200"],

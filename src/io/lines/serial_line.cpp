@@ -93,6 +93,7 @@ void SerialLine::finish_open(Result<OpenTty, std::string> result, const bus::Lin
   boost::system::error_code error;
   descriptor_.assign(result->fd.get(), error);
   if (error) {
+    close_elsewhere(std::move(result->fd), opened);
     context_.events.line_lost(bus_, settings_.device + ": cannot watch it: " + error.message());
     return;
   }
@@ -267,18 +268,18 @@ bool SerialLine::adopt(const bus::LineSettings& settings) {
 }
 
 void SerialLine::close_elsewhere(sys::UniqueFd fd, const bus::LineSettings& opened) {
-  // Without a thread the descriptor is closed here, as soon as run() has given up.
   auto closed = std::make_shared<std::promise<void>>();
   closed_ = closed->get_future().share();
   context_.closing->note(opened.device, closed_);
-  const bool started = context_.blocking.run(
-      [fd = std::move(fd), opened, closed]() mutable {
-        close_tty(std::move(fd), opened);
-        closed->set_value();
-        return true;
-      },
-      [](bool) {});
-  static_cast<void>(started);
+  const auto held = std::make_shared<sys::UniqueFd>(std::move(fd));
+  const auto close = [held, opened, closed] {
+    close_tty(std::move(*held), opened);
+    closed->set_value();
+    return true;
+  };
+  if (!context_.blocking.run(close, [](bool) {})) {
+    close();  // there is no thread; what the driver holds must not leave later all the same
+  }
 }
 
 void SerialLine::lose(const std::string& why) {

@@ -292,10 +292,8 @@ TEST_F(BusRepeats, AWriteDoesNotWaitWhileLostTimeIsPaidBack) {
   submit(job_of(2, "06 0001 0001", 3));
   advance(20ms);
   refuse(2);
-  submit(job_of(1, kRead, 2));
   advance(20ms);
-  ASSERT_GT(frames_.size(), before + 1);
-  EXPECT_EQ(frames_[before + 1].substr(0, 5), "03 06");
+  EXPECT_EQ(frames_.at(before + 1).substr(0, 5), "03 06");
 }
 
 }  // namespace
