@@ -42,9 +42,9 @@ void StateReader::read(gateway::Gateway& gateway, Hash& hash) {
 void StateReader::read(gateway::Clients& clients, gateway::Gateway& gateway, Hash& hash) {
   // The gateway's: settings, exchanges, failsafe, actions. Of the requests there are only counters
   // beyond these. Clients come at the start only, and may ask as often as they like: limits. Told
-  // only: logins.
+  // only: logins, over_rate.
   [[maybe_unused]] auto& [settings, exchanges, failsafe, actions, sessions, intake, requests,
-                          limits, logins] = clients;
+                          limits, logins, over_rate] = clients;
   // Of the intake: the phase is as far as the gateway has come; counted or told only: counters,
   // denials, unrouted_reported. Dealt with: request. The same settings all the time: changed_at.
   // No rules: access.

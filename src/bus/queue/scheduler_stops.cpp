@@ -7,9 +7,11 @@
 namespace mbgate::bus {
 namespace {
 
-// It has answered neither its last transmission nor the one before.
+// It has answered neither its last transmission nor the one before; or it has refused its last
+// stop.
 bool does_not_answer(const DeviceEntry& entry) {
-  return entry.stop_unanswered || (entry.is_silent() && entry.health.unanswered_in_row() != 1);
+  return entry.stop_unanswered || entry.failed_stop ||
+         (entry.is_silent() && entry.health.unanswered_in_row() != 1);
 }
 
 // Of two stops to drives that do not answer, the second lets something else go first, and so does

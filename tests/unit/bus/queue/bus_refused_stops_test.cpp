@@ -103,6 +103,21 @@ TEST_F(BusRefusedStops, LetOthersHaveTheLineBetweenTheirTries) {
   EXPECT_EQ(frames_.back(), kReadFrame);
 }
 
+// Two clients send a stop again as soon as it is refused.
+TEST_F(BusRefusedStops, DoNotHaveTheLineForThemselves) {
+  open(settings(), {axis()});
+  submit(job_of(1, kStop));
+  submit(job_of(2, "10 007C 0001 02 00E1"));
+  submit(job_of(3, kRead, 2));
+  for (int times = 0; times < 10 && frames_.back() != kOtherDevice; ++times) {
+    advance(10ms);
+    refuse(1, frames_.back().substr(3, 2) == "06" ? 6 : 16);
+    submit(job_of(1 + times % 2, times % 2 == 0 ? kStop : "10 007C 0001 02 00E1"));
+    advance(5ms);
+  }
+  EXPECT_THAT(frames_, testing::Contains(kOtherDevice));
+}
+
 TEST_F(BusRefusedStops, AreJoinedByStopsThatAreTheSame) {
   open(settings(), {axis()});
   submit(job(kStop));
