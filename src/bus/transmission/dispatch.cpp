@@ -39,7 +39,7 @@ void Dispatch::decide(Instant now) {
     wait_for_line(now);
     return;
   }
-  go_on_with_stops(now);
+  go_on_with_stops();
   Next next = scheduler_.next(now);
   while (carry_out(next, now)) {
     next = scheduler_.next(now);
@@ -167,7 +167,7 @@ void Dispatch::watch_deadlines(Instant now) {
 }
 
 // Of several transmissions, or forms, each goes like the first, and no other stop between them.
-void Dispatch::go_on_with_stops(Instant now) {
+void Dispatch::go_on_with_stops() {
   const auto next_part = [this] {
     const auto running = parts_.transmissions.running();
     const auto found = std::ranges::find_if(

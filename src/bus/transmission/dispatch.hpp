@@ -43,7 +43,7 @@ class Dispatch {
   bool reopen_if_hung(Instant now);
   void wait_for_line(Instant now);
   void watch_deadlines(Instant now);
-  void go_on_with_stops(Instant now);
+  void go_on_with_stops();
   void limit_waits(Instant now);
   bool carry_out(const Next& next, Instant now);
   void begin(Job& job, Instant now);

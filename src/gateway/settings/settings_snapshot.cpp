@@ -81,6 +81,12 @@ const DeviceGuard& SettingsSnapshot::guard(std::size_t device) const {
   return device < settings.guards.size() ? settings.guards[device] : kNoRules;
 }
 
+bool is_same_drive(const Settings& old, const drive::Device& one, const Settings& next,
+                   const drive::Device& other) {
+  return !one.is_gone() && !other.is_gone() && one.address == other.address &&
+         old.bus(one.bus).line.has_end_of(next.bus(other.bus).line);
+}
+
 bool is_other_device(const SettingsSnapshot& old, const SettingsSnapshot& next, BusId bus,
                      std::uint8_t address) {
   const drive::Device* before = device_at(old, bus, address);
@@ -88,7 +94,7 @@ bool is_other_device(const SettingsSnapshot& old, const SettingsSnapshot& next, 
   if (before == nullptr || after == nullptr) {
     return before != after;
   }
-  return before->name != after->name || !after->understands_as(*before);
+  return !after->understands_as(*before);
 }
 
 bool has_other_devices(const SettingsSnapshot& old, const SettingsSnapshot& next, BusId bus) {

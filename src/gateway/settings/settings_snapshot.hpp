@@ -91,6 +91,9 @@ class SettingsHistory {
 // What a request means is said by the settings: to which device its unit leads, and what is
 // understood there. Other settings may make something else of the same request.
 
+/// Port and address decide, whatever the names are.
+[[nodiscard]] bool is_same_drive(const Settings& old, const drive::Device& one,
+                                 const Settings& next, const drive::Device& other);
 /// Does a request that was made for the device at the address mean something else there now? A
 /// device that appears where none was counts, and one that is gone.
 [[nodiscard]] bool is_other_device(const SettingsSnapshot& old, const SettingsSnapshot& next,

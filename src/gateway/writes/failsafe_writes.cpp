@@ -5,15 +5,6 @@
 #include <utility>
 
 namespace mbgate::gateway {
-namespace {
-
-bool is_same_drive(const Settings& old, const drive::Device& one, const Settings& next,
-                   const drive::Device& other) {
-  return !one.is_gone() && !other.is_gone() && one.address == other.address &&
-         old.bus(one.bus).line.has_end_of(next.bus(other.bus).line);
-}
-
-}  // namespace
 
 FailsafeWrites::FailsafeWrites(const SettingsHistory& settings, Exchanges& exchanges,
                                WriteRules& rules, ActionQueue& actions)

@@ -33,6 +33,20 @@ class FirstWriter : public testing::Test {
   MachineRig rig_{guarded(WriterRule::first)};
 };
 
+// It is the same drive, and what waits for it goes on.
+TEST_F(FirstWriter, OwnsItUnderAnotherNameToo) {
+  rig_.receive(1, write_request(2) + read_request(3));
+  Settings renamed = guarded(WriterRule::first);
+  renamed.devices[0].name = "another";
+  rig_.reload(renamed);
+  rig_.receive(2, write_request(4));
+  EXPECT_THAT(rig_.take_sent(2), ElementsAre(busy(4)));
+  rig_.respond(kWrite1);
+  rig_.advance(10ms);
+  EXPECT_THAT(rig_.take_sent(1), ElementsAre(written(1), written(2)));
+  EXPECT_THAT(rig_.take_transmitted(), testing::SizeIs(2));
+}
+
 TEST_F(FirstWriter, OwnsWritingForAWhile) {
   rig_.receive(2, write_request(2));
   EXPECT_THAT(rig_.take_sent(2), ElementsAre(busy(2)));
