@@ -282,7 +282,8 @@ TEST_F(BusRepeats, AWriteDoesNotWaitWhileLostTimeIsPaidBack) {
     refuse(address);
     advance(10ms);
   };
-  for (const std::uint8_t lost : {3, 4}) {  // 4 is the loss that is paid back
+  for (const std::uint8_t lost :
+       std::array<std::uint8_t, 2>{3, 4}) {  // 4 is the loss that is paid back
     submit(job(kRead, lost));
     advance(1020ms);
     answered(2);

@@ -99,7 +99,7 @@ TEST_F(BusBusyLine, SeveralStopsWaitForSilenceOnlyOnce) {
   hasty.timing.stop_retries = 0;
   open(hasty, {axis(hasty), axis(hasty, 2)});
   line("55");
-  for (const std::uint8_t address : {1, 2}) {
+  for (const std::uint8_t address : std::array<std::uint8_t, 2>{1, 2}) {
     submit(job(kStop, address));
   }
   const Instant since = now_;

@@ -36,7 +36,7 @@ TEST_F(BusTcpWithoutIdentifiers, AnyIdentifierWillDo) {
 TEST_F(BusTcpWithoutIdentifiers, TheAnswerOfAnotherUnitIsNotOneThatIsOwed) {
   drive::Device server{"server", {}, 255, unchecked().timing};
   open(unchecked(), {server});
-  for (const std::uint8_t unit : {1, 2}) {
+  for (const std::uint8_t unit : std::array<std::uint8_t, 2>{1, 2}) {
     auto& read = job(kRead, 255);
     read.transactions[0].unit = unit;
     submit(read);
