@@ -282,8 +282,7 @@ TEST_F(BusRepeats, AWriteDoesNotWaitWhileLostTimeIsPaidBack) {
     refuse(address);
     advance(10ms);
   };
-  for (const std::uint8_t lost :
-       std::array<std::uint8_t, 2>{3, 4}) {  // 4 is the loss that is paid back
+  for (const std::uint8_t lost : std::array<std::uint8_t, 2>{3, 4}) {
     submit(job(kRead, lost));
     advance(1020ms);
     answered(2);
