@@ -153,7 +153,7 @@ class OneDevice(Case):
         self.assertEqual(self.service.ask(FEED, 3), FEED)
         self.assertEqual(self.plant.ask(SPEED, ROUTED), b"\x03\x02\x00\x07")
         self.assertEqual(self.service.ask(SPEED, 9), b"\x03\x02\x00\x07")
-        self.assertEqual(len(self.server.heard), 3, "the last one came out of the cache")
+        self.assertEqual(len(self.server.heard), 4, "each unit has its own place in the cache")
 
     def test_the_check_says_what_the_units_are(self):
         text = PLANT.format(port=self.server.port)

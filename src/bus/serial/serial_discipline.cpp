@@ -27,6 +27,13 @@ modbus::Pdu pdu_on_wire(const Transaction& transaction) {
   return *modbus::Pdu::from(bytes);
 }
 
+// What has begun in time is complete so long after the end of the wait. An answer that begins anew
+// and anew is none.
+Duration longest_rest(const BusSettings& settings, bool is_hurried) {
+  return longest_stream(settings) +
+         (is_hurried ? settings.frame_slack_or_default() : kLongestPauses);
+}
+
 }  // namespace
 
 SerialDiscipline::SerialDiscipline(const BusSettings& settings, BusCounters& counters)
@@ -181,7 +188,8 @@ void SerialDiscipline::handle_deadline(Instant now) {
   }
   judge(framer_.handle_deadline(now), now);
   if (transaction_ != nullptr && now >= response_deadline_ &&
-      (!framer_.in_progress() || now >= over_at())) {
+      (!framer_.in_progress() ||
+       now >= response_deadline_ + longest_rest(settings_, is_hurried_))) {
     if (!transaction_->may_stay_silent() && !misfit_) {
       silence_.note_unanswered(now);
     }
@@ -197,13 +205,8 @@ std::optional<Instant> SerialDiscipline::next_deadline() const {
     return silence_.emission_ends();
   }
   const auto of_frame = framer_.next_deadline();
-  return earlier(of_frame, framer_.in_progress() ? over_at() : response_deadline_);
-}
-
-// What has begun in time is complete by then. An answer that begins anew and anew is none.
-Instant SerialDiscipline::over_at() const {
-  return response_deadline_ + longest_stream(settings_) +
-         (is_hurried_ ? settings_.frame_slack_or_default() : kLongestPauses);
+  const Duration rest = framer_.in_progress() ? longest_rest(settings_, is_hurried_) : Duration{0};
+  return earlier(of_frame, response_deadline_ + rest);
 }
 
 std::optional<UnsolicitedFrame> SerialDiscipline::take_unsolicited() {

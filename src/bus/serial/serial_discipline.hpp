@@ -81,7 +81,6 @@ class SerialDiscipline {
   Verdict settle_echo(Verdict verdict, Instant now);
   void judge(Verdict verdict, Instant now);
   void end(LineEnd::How how);
-  [[nodiscard]] Instant over_at() const;
 
   const BusSettings& settings_;
   LineSilence silence_;

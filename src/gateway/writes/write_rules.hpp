@@ -51,7 +51,8 @@ class WriteRules {
   [[nodiscard]] bool was_stopped(const routing::Plan& write, std::uint64_t sequence) const;
   /// The gateway itself stops the device.
   void note_own_stop(std::size_t device, Instant now);
-  /// New settings: what is known of removed devices is dropped.
+  /// New settings, while those before are still there. What is known of a device stays with it,
+  /// under another name too; that of removed ones is dropped.
   void adopt(const SettingsSnapshot& settings);
 
  private:

@@ -66,7 +66,8 @@ TEST_F(WriteRulesAlone, NothingIsKnownOfADeviceThatWasGone) {
   Settings less = stop_plant();
   less.routes.clear();
   less.devices[0].bus = drive::kNoBus;
-  rules_.adopt(gateway::SettingsSnapshot(less));
+  const gateway::SettingsSnapshot without(less);
+  rules_.adopt(without);
   rules_.adopt(settings_);
   EXPECT_EQ(objection(from(2, Instant{4s})), std::nullopt);
 }
@@ -87,7 +88,8 @@ TEST_F(WriteRulesAlone, NobodyOwnsADeviceThatWasGone) {
   Settings less = guarded;
   less.routes.clear();
   less.devices[0].bus = drive::kNoBus;
-  rules_.adopt(gateway::SettingsSnapshot(less));
+  const gateway::SettingsSnapshot without(less);
+  rules_.adopt(without);
   rules_.adopt(snapshot);
   EXPECT_EQ(objection(second), std::nullopt);
 }
