@@ -31,15 +31,15 @@ constexpr int kLooksAgain = 10;
 /// not wait for that. Never destroyed, as the thread may hang in it when the process ends.
 class Notifier {
  public:
-  /// False: there is no systemd. `socket`: it gets a duplicate.
-  bool send(std::string text, std::optional<int> socket = std::nullopt) {
+  /// False: there is no systemd. Dropped where `most` wait. `socket`: it gets a duplicate.
+  bool send(std::string text, int most, std::optional<int> socket) {
     if (std::getenv("NOTIFY_SOCKET") == nullptr) {
       return false;
     }
-    if (waiting_ < kMostWaiting) {
+    if (waiting_ < most) {
       ++waiting_;
-      const auto copy = std::make_shared<sys::UniqueFd>(
-          socket ? ::fcntl(*socket, F_DUPFD_CLOEXEC, 0) : sys::UniqueFd().get());
+      const auto copy =
+          std::make_shared<sys::UniqueFd>(socket ? ::fcntl(*socket, F_DUPFD_CLOEXEC, 0) : -1);
       boost::asio::post(writer_, [this, text = std::move(text), copy] {
         const int descriptor = copy->get();
         ::sd_pid_notify_with_fds(0, 0, text.c_str(), &descriptor, copy->is_open() ? 1 : 0);
@@ -50,15 +50,17 @@ class Notifier {
   }
 
  private:
-  static constexpr int kMostWaiting = 100;
-
   std::atomic<int> waiting_ = 0;
   boost::asio::thread_pool writer_{1};
 };
 
-bool notify(std::string text, std::optional<int> socket = std::nullopt) {
+constexpr int kMostMessages = 100;
+/// Of those that come again and again: they must not take the place of READY=1.
+constexpr int kMostRepeated = 10;
+
+bool notify(std::string text, int most = kMostMessages, std::optional<int> socket = std::nullopt) {
   static auto& notifier = *new Notifier;  // NOLINT(cppcoreguidelines-owning-memory)
-  return notifier.send(std::move(text), socket);
+  return notifier.send(std::move(text), most, socket);
 }
 
 }  // namespace
@@ -77,7 +79,7 @@ std::vector<InheritedSocket> take_inherited_sockets() {
 
 void notify_ready(const std::string& status) { notify("READY=1\nSTATUS=" + status); }
 
-void notify_status(const std::string& status) { notify("STATUS=" + status); }
+void notify_status(const std::string& status) { notify("STATUS=" + status, kMostRepeated); }
 
 void notify_reloading() {
   timespec now{};
@@ -98,12 +100,12 @@ std::optional<std::chrono::microseconds> watchdog_limit() {
   return std::chrono::microseconds(microseconds);
 }
 
-void notify_alive() { notify("WATCHDOG=1"); }
+void notify_alive() { notify("WATCHDOG=1", kMostRepeated); }
 
 // Without FDPOLL=0: systemd then lets go by itself of a socket that was shut down, and one that
 // listens never hangs up.
 bool store_socket(const std::string& name, int socket) {
-  return notify("FDSTORE=1\nFDNAME=" + name, socket);
+  return notify("FDSTORE=1\nFDNAME=" + name, kMostMessages, socket);
 }
 
 void remove_stored_socket(const std::string& name) { notify("FDSTOREREMOVE=1\nFDNAME=" + name); }

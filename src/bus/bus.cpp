@@ -67,8 +67,7 @@ void Bus::handle_lost(Instant now, Loss loss) {
   link.note_lost(parts_.settings, now);
   if (parts_.stopping) {
     link.stop();
-  }
-  if (!parts_.stopping) {
+  } else {
     outcomes_.handle_cut_stops(now);
   }
   ends_.end_running(Ending::closed);

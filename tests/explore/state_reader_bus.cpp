@@ -253,7 +253,7 @@ void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing,
   hash.until(rests_until);
   hash.since(rested_at, kFarPast);
   hash.add(answered.size());
-  for (const auto& [asked, at] : answered) {
+  for (const auto& [asked, unit, at] : answered) {
     hash.since(at, kFarPast);
     hash.add(asked.pdu().bytes());
   }
@@ -272,9 +272,9 @@ void StateReader::read(const bus::ReadCache& cache, Duration age, Hash& hash) {
     return;  // nothing is put in, nothing taken out
   }
   hash.add(reads.size());
-  for (const auto& [request, response, asked_at] : reads) {
-    hash.add(request.second.bytes());
-    hash.add(response.bytes());
+  for (const auto& [asked, asked_at] : reads) {
+    hash.add(asked.request.pdu().bytes());
+    hash.add(asked.response->bytes());
     hash.since(asked_at, age + Duration{1});
   }
   hash.ordered(Order::cached_writes, accepted);

@@ -78,7 +78,7 @@ void Hold::note_answered(const Sent& sent, modbus::Bytes response, Duration took
   if (answered_.size() == kMostAnswered) {
     answered_.erase(answered_.begin());
   }
-  answered_.push_back({sent.asked, now});
+  answered_.push_back({sent.asked, sent.unit, now});
   if (seconds_ > 0 && ++clean_ >= kCleanAnswers) {
     seconds_ = 0;
     longest_second_ = Duration{0};
@@ -248,7 +248,8 @@ OwedAnswers Hold::owed(const modbus::Request& next, std::uint8_t unit, Instant f
                        Instant now, const Timing& timing) const {
   OwedAnswers owed;
   const bool has_second = seconds_ > 0 && clean_ > 0 && now < end_of_seconds(timing);
-  if (has_second && answered_.back().asked.function() == next.function()) {
+  if (has_second && answered_.back().unit == unit &&
+      answered_.back().asked.function() == next.function()) {
     owed.push_back({answered_.back().asked, false});
   }
   for (const Unanswered& it : unanswered_) {

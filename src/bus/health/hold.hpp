@@ -258,6 +258,7 @@ class Hold {
 
   struct Answered {
     modbus::Request asked;
+    std::uint8_t unit;
     Instant at;
   };
   boost::container::static_vector<Answered, kMostAnswered>

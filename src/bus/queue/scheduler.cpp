@@ -71,7 +71,7 @@ bool Scheduler::goes_before_repeated(const Choice& choice, const Choice& repeate
       is_write(choice.job->job_class) && repeated.job->is_read() && !reads_go_first();
   const bool is_paid = parts_.payback.is_due(repeated.at()) &&
                        !parts_.devices[choice.job->address()].is_silent() &&
-                       is_write(choice.job->job_class) >= is_write(repeated.job->job_class);
+                       (is_write(choice.job->job_class) || !is_write(repeated.job->job_class));
   return choice.at() < repeated.at() ||
          (choice.at() == repeated.at() && (is_of_first_class || is_paid));
 }
@@ -120,18 +120,16 @@ std::optional<Scheduler::Choice> Scheduler::next_waiting(Passing passing, Instan
     return decided;
   };
   const auto look_among = [&](JobClass job_class) {
-    if (!decided) {
+    parts_.queue.visit_candidates(job_class, look);
+    if (job_class == JobClass::write && !decided && std::exchange(pays, false)) {
       parts_.queue.visit_candidates(job_class, look);
     }
   };
-  if (reads_go_first()) {
-    look_among(JobClass::read);
+  const JobClass first = reads_go_first() ? JobClass::read : JobClass::write;
+  look_among(first);
+  if (!decided) {
+    look_among(first == JobClass::read ? JobClass::write : JobClass::read);
   }
-  look_among(JobClass::write);
-  if (std::exchange(pays, false)) {
-    look_among(JobClass::write);
-  }
-  look_among(JobClass::read);
   return best;
 }
 

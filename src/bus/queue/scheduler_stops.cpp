@@ -9,7 +9,7 @@ namespace {
 
 // It has answered neither its last transmission nor the one before; or it has refused its last
 // stop.
-bool does_not_answer(const DeviceEntry& entry) {
+bool does_not_obey(const DeviceEntry& entry) {
   return entry.stop_unanswered || entry.failed_stop ||
          (entry.is_silent() && entry.health.unanswered_in_row() != 1);
 }
@@ -19,7 +19,7 @@ bool does_not_answer(const DeviceEntry& entry) {
 bool has_turn_before(const Parts& parts, const Job& stop, Instant now) {
   const auto last = parts.last_sent.stop();
   return last && parts.transmissions.has_room() &&
-         (does_not_answer(parts.devices[*last]) || parts.acknowledged.has(stop, now));
+         (does_not_obey(parts.devices[*last]) || parts.acknowledged.has(stop, now));
 }
 
 // The time that the stop has waited behind a transmission that nobody answered does not count: two
@@ -34,8 +34,8 @@ Instant could_go_at(const Parts& parts, const Job& stop) {
 // Whoever repeats a stop to a dead drive, or one that was acknowledged, must not have the line for
 // itself. On a line that is never silent the turn of others would never come.
 bool Scheduler::gives_way(const Job& stop, Instant now) const {
-  const bool is_silent = !stop.is_broadcast() && does_not_answer(parts_.devices[stop.address()]);
-  return (is_silent || parts_.acknowledged.has(stop, now)) && now < stop_overdue_at(parts_, stop);
+  const bool disobeys = !stop.is_broadcast() && does_not_obey(parts_.devices[stop.address()]);
+  return (disobeys || parts_.acknowledged.has(stop, now)) && now < stop_overdue_at(parts_, stop);
 }
 
 // Stops to drives that answer go first.

@@ -23,7 +23,7 @@ class LineSilence {
   void open(Instant now, Instant listen_until) {
     quiet_since_ = now;
     busy_since_ = now;
-    note_pause(Duration{0});
+    note_pause(false);
     emission_ends_ = now;
     listening_until_ = listen_until;
     settling_until_ = now;
@@ -35,7 +35,7 @@ class LineSilence {
     emission_ends_ = now + timing_.duration_of(bytes);
     quiet_since_ = emission_ends_;
     busy_since_ = was_silent ? emission_ends_ : busy_since_;  // it ends no noise
-    note_pause(Duration{0});
+    note_pause(false);
   }
   /// It is a broadcast: the turnaround delay follows it.
   void note_broadcast() { turnaround_until_ = emission_ends_ + settings_.turnaround; }
@@ -46,8 +46,11 @@ class LineSilence {
     }
     quiet_since_ = std::max(quiet_since_, now);
   }
-  /// A frame has begun in what was read, and may pause for so long; 0: none has.
-  void note_pause(Duration longest) { pause_ = std::max(frame_gap(), longest); }
+  /// Has a frame begun in what was read? Then it may pause for `frame_slack`.
+  void note_pause(bool is_amid_frame) {
+    pause_ =
+        is_amid_frame ? std::max(frame_gap(), settings_.frame_slack_or_default()) : frame_gap();
+  }
   /// A response is missing.
   void note_unanswered(Instant now) {
     settling_until_ = std::max(settling_until_, now + settings_.settle);

@@ -55,7 +55,7 @@ void SerialDiscipline::open(Instant now, LineKind kind, Instant listen_until) {
 
 void SerialDiscipline::update() {
   framer_.update(settings_);
-  silence_.note_pause(framer_.is_amid_frame() ? settings_.frame_slack_or_default() : Duration{0});
+  silence_.note_pause(framer_.is_amid_frame());
 }
 
 FrameBytes SerialDiscipline::begin(Transaction& transaction, const drive::DeviceTiming& timing,
@@ -154,7 +154,7 @@ void SerialDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
   judge_held(heard.held, now);
   bytes = heard.bytes;
   if (bytes.empty()) {  // of an echo, or of an answer that begins as one
-    silence_.note_pause(echo_.is_unknown() ? settings_.frame_slack_or_default() : Duration{0});
+    silence_.note_pause(echo_.is_unknown());
     return;
   }
   draining_ = draining_ || transaction_ == nullptr;
@@ -167,7 +167,7 @@ void SerialDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
     heard_ += bytes.size();
   }
   judge(framer_.add(bytes, now), now);
-  silence_.note_pause(framer_.is_amid_frame() ? settings_.frame_slack_or_default() : Duration{0});
+  silence_.note_pause(framer_.is_amid_frame());
 }
 
 void SerialDiscipline::handle_deadline(Instant now) {

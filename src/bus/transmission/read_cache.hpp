@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "bus/instant.hpp"
@@ -23,10 +22,11 @@ class ReadCache {
   [[nodiscard]] static bool can_hold(const modbus::Request& request) {
     return request.function() >= 0x01 && request.function() <= 0x04;
   }
-  /// The response to the same request, if it was asked for at `oldest` or later.
+  /// The response to the same request to the same unit, if it was asked for at `oldest` or later.
   [[nodiscard]] const modbus::Pdu* find(const Transaction& asked, Instant oldest) const {
-    const auto found = std::ranges::find(reads_, key_of(asked), &Read::asked);
-    return found == reads_.end() || found->asked_at < oldest ? nullptr : &found->response;
+    const auto found =
+        std::ranges::find_if(reads_, [&](const Read& it) { return it.asked.is_like(asked); });
+    return found == reads_.end() || found->asked_at < oldest ? nullptr : &*found->asked.response;
   }
   /// `asked_at`: when the request was transmitted; the data are no older than that. `writes_ended`:
   /// writes_ended() at that time. If more writes than that were accepted, the data may be from
@@ -35,11 +35,11 @@ class ReadCache {
     if (writes_ended < accepted_) {
       return;
     }
-    std::erase_if(reads_, [key = key_of(asked)](const Read& it) { return it.asked == key; });
+    std::erase_if(reads_, [&](const Read& it) { return it.asked.is_like(asked); });
     if (reads_.size() == kMostCachedReads) {
       reads_.erase(std::ranges::min_element(reads_, {}, &Read::asked_at));
     }
-    reads_.push_back({key_of(asked), *asked.response, asked_at});
+    reads_.push_back({asked, asked_at});
   }
   /// How many writes to the device have ended so far.
   [[nodiscard]] std::uint64_t writes_ended() const { return ended_; }
@@ -51,12 +51,8 @@ class ReadCache {
   void end_write() { ++ended_; }
 
  private:
-  /// With the unit: where a server is one device under every unit, each may be a drive after all.
-  using Key = std::pair<std::uint8_t, modbus::Pdu>;
-  static Key key_of(const Transaction& asked) { return {asked.unit, asked.request.pdu()}; }
   struct Read {
-    Key asked;
-    modbus::Pdu response;
+    Transaction asked;  ///< with its response
     Instant asked_at;
   };
   std::vector<Read> reads_;

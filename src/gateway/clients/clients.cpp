@@ -223,9 +223,10 @@ void Clients::leave(ClientSession& session, Instant now) {
 }
 
 void Clients::drop_requests(ClientSession& session, Instant now) {
+  RecentFailures& recent = sessions_.counters(session.info().listener).recent;
   for (const std::uint32_t exchange : std::exchange(session.exchanges, {})) {
     exchanges_[exchange].client_gone = true;
-    sessions_.counters(session.info().listener).recent.note_unanswered(now);
+    recent.note_unanswered(now);
     exchanges_.cancel(exchange);
   }
 }

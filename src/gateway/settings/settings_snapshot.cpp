@@ -81,10 +81,20 @@ const DeviceGuard& SettingsSnapshot::guard(std::size_t device) const {
   return device < settings.guards.size() ? settings.guards[device] : kNoRules;
 }
 
-bool is_same_drive(const Settings& old, const drive::Device& one, const Settings& next,
-                   const drive::Device& other) {
-  return !one.is_gone() && !other.is_gone() && one.address == other.address &&
-         old.bus(one.bus).line.has_end_of(next.bus(other.bus).line);
+std::optional<std::size_t> place_of_same_drive(const Settings& old, std::size_t place,
+                                               const Settings& next) {
+  const drive::Device& before = old.devices[place];
+  const auto is_same = [&](const drive::Device& it) {
+    return !before.is_gone() && !it.is_gone() && before.address == it.address &&
+           old.bus(before.bus).line.has_end_of(next.bus(it.bus).line);
+  };
+  if (place < next.devices.size() && is_same(next.devices[place])) {
+    return place;  // as most are
+  }
+  const auto same = std::ranges::find_if(next.devices, is_same);
+  return same == next.devices.end()
+             ? std::nullopt
+             : std::optional(static_cast<std::size_t>(same - next.devices.begin()));
 }
 
 bool is_other_device(const SettingsSnapshot& old, const SettingsSnapshot& next, BusId bus,

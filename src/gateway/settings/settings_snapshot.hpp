@@ -91,9 +91,10 @@ class SettingsHistory {
 // What a request means is said by the settings: to which device its unit leads, and what is
 // understood there. Other settings may make something else of the same request.
 
-/// Port and address decide, whatever the names are.
-[[nodiscard]] bool is_same_drive(const Settings& old, const drive::Device& one,
-                                 const Settings& next, const drive::Device& other);
+/// Where the device that was at `place` is among the next ones; nothing: it is gone. Port and
+/// address decide, whatever the names are.
+[[nodiscard]] std::optional<std::size_t> place_of_same_drive(const Settings& old, std::size_t place,
+                                                             const Settings& next);
 /// Does a request that was made for the device at the address mean something else there now? A
 /// device that appears where none was counts, and one that is gone.
 [[nodiscard]] bool is_other_device(const SettingsSnapshot& old, const SettingsSnapshot& next,

@@ -245,11 +245,9 @@ void FailsafeWrites::adopt(const SettingsSnapshot& before) {
     const drive::Device& device = before.settings.devices[place];
     const auto due = watch.due;
     abandon(watch);
-    const auto same = std::ranges::find_if(devices, [&](const drive::Device& it) {
-      return is_same_drive(before.settings, device, next.settings, it);
-    });
-    const auto known = watches_.find(static_cast<std::size_t>(same - devices.begin()));
-    if (same == devices.end() && watch.writer) {
+    const auto same = place_of_same_drive(before.settings, place, next.settings);
+    const auto known = same ? watches_.find(*same) : watches_.end();
+    if (!same && watch.writer) {
       report(device, watch, FailsafeOutcome::device_gone);
     } else if (known != watches_.end()) {
       known->second = watch;

@@ -108,19 +108,10 @@ void WriteRules::note_stop(Known& known, std::optional<ClientId> client, Instant
 }
 
 void WriteRules::adopt(const SettingsSnapshot& settings) {
-  const std::vector<drive::Device>& devices = settings.settings.devices;
-  const std::vector<drive::Device>& before = settings_->settings.devices;
-  const auto old = std::exchange(known_, std::vector<Known>(devices.size()));
-  for (std::size_t device = 0; device < before.size(); ++device) {
-    const auto is_same = [&](const drive::Device& it) {
-      return is_same_drive(settings_->settings, before[device], settings.settings, it);
-    };
-    // Most have their number still.
-    const auto same = device < devices.size() && is_same(devices[device])
-                          ? devices.begin() + static_cast<std::ptrdiff_t>(device)
-                          : std::ranges::find_if(devices, is_same);
-    if (same != devices.end()) {
-      known_[static_cast<std::size_t>(same - devices.begin())] = old[device];
+  const auto old = std::exchange(known_, std::vector<Known>(settings.settings.devices.size()));
+  for (std::size_t device = 0; device < old.size(); ++device) {
+    if (const auto same = place_of_same_drive(settings_->settings, device, settings.settings)) {
+      known_[*same] = old[device];
     }
   }
   settings_ = &settings;

@@ -6,7 +6,15 @@
 namespace mbgate::test::bus_busy_line_test {
 namespace {
 
-using BusBusyLine = Bus;
+class BusBusyLine : public Bus {
+ protected:
+  void expect_next_after(Duration pause) {
+    advance(pause - 1ms);
+    EXPECT_THAT(frames_, SizeIs(1));
+    advance(1ms);
+    EXPECT_THAT(frames_, SizeIs(2));
+  }
+};
 
 // Each silence shows that the byte before was none, and the next one may be the first.
 TEST_F(BusBusyLine, AnAnswerThatBeginsAnewAndAnewIsNone) {
@@ -58,10 +66,7 @@ TEST_F(BusBusyLine, NothingIsSentIntoAFrameThatBeginsBehindAnAnswer) {
   submit(job(kRead, 2));
   advance(20ms);
   line(std::string(kAnswer) + "01 03 02");
-  advance(19ms);
-  EXPECT_THAT(frames_, SizeIs(1));
-  advance(1ms);
-  EXPECT_THAT(frames_, SizeIs(2));
+  expect_next_after(20ms);
 }
 
 TEST_F(BusBusyLine, NorIntoALateAnswerThatBeginsAsTheEchoWould) {
@@ -73,10 +78,7 @@ TEST_F(BusBusyLine, NorIntoALateAnswerThatBeginsAsTheEchoWould) {
   advance(10ms);
   line("01 03");
   submit(job(kRead, 2));
-  advance(19ms);
-  EXPECT_THAT(frames_, SizeIs(1));
-  advance(1ms);
-  EXPECT_THAT(frames_, SizeIs(2));
+  expect_next_after(20ms);
 }
 
 TEST_F(BusBusyLine, NorAfterAReload) {
@@ -88,10 +90,7 @@ TEST_F(BusBusyLine, NorAfterAReload) {
   submit(job(kRead, 2));
   advance(1ms);
   update(settings(), usual_devices(settings()));
-  advance(18ms);
-  EXPECT_THAT(frames_, SizeIs(1));
-  advance(1ms);
-  EXPECT_THAT(frames_, SizeIs(2));
+  expect_next_after(19ms);
 }
 
 TEST_F(BusBusyLine, SeveralStopsWaitForSilenceOnlyOnce) {

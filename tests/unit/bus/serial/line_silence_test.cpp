@@ -61,7 +61,7 @@ TEST_F(LineSilenceTest, SaysSinceWhenBytesFollowEachOther) {
 // No stop may go in such a pause either.
 TEST_F(LineSilenceTest, APauseInAFrameIsNoSilence) {
   silence_.note_bytes(at(10ms));
-  silence_.note_pause(20ms);
+  silence_.note_pause(true);
   silence_.note_bytes(at(25ms));
   EXPECT_EQ(silence_.busy_since(), at(10ms));
   silence_.note_bytes(at(46ms));
@@ -93,7 +93,7 @@ TEST_F(LineSilenceTest, TakesOtherTimes) {
   settings_.frame_gap.reset();
   settings_.turnaround = 50ms;
   settings_.settle = 70ms;
-  silence_.note_pause(0ms);
+  silence_.note_pause(false);
   EXPECT_EQ(silence_.ready_for_stop_at(), at(2005209ns));  // 38.5 bits, rounded up
   silence_.note_frame(8, at(500ms));
   silence_.note_broadcast();

@@ -60,7 +60,9 @@ TEST(FailedRequests, AreNotNamedWhereFewerThanOneInAHundredFail) {
 }
 
 constexpr auto kGivenUp =
-    "no answer before its client gave up | the timeout of the client, and the times of the devices";
+    "listener plant: 100 % of its requests fail | 4 of the last 4; the last one got no answer "
+    "before "
+    "its client gave up | the timeout of the client, and the times of the devices";
 
 TEST(FailedRequests, AreThoseTooThatNobodyWaitedFor) {
   Settings settings = troubled_plant();
@@ -72,10 +74,7 @@ TEST(FailedRequests, AreThoseTooThatNobodyWaitedFor) {
     trouble.rig.respond(kAnswerOfAxis);
     trouble.rig.advance(1s);
   }
-  EXPECT_THAT(trouble.diagnoses(),
-              ElementsAre(std::string("listener plant: 100 % of its requests fail | 4 of the last "
-                                      "4; the last one got ") +
-                          kGivenUp));
+  EXPECT_THAT(trouble.diagnoses(), ElementsAre(kGivenUp));
 }
 
 TEST(FailedRequests, AreThoseTooWhoseClientHasGone) {
@@ -89,10 +88,7 @@ TEST(FailedRequests, AreThoseTooWhoseClientHasGone) {
     trouble.rig.respond(kAnswerOfAxis);
     trouble.rig.advance(2min);
   }
-  EXPECT_THAT(trouble.diagnoses(),
-              ElementsAre(std::string("listener plant: 100 % of its requests fail | 4 of the last "
-                                      "4; the last one got ") +
-                          kGivenUp));
+  EXPECT_THAT(trouble.diagnoses(), ElementsAre(kGivenUp));
 }
 
 }  // namespace
