@@ -58,6 +58,7 @@ class Judge : public Witness {
   [[nodiscard]] bool held(const Station& station, Table table, unsigned first,
                           std::span<const std::uint16_t> words, Span span) const;
   [[nodiscard]] bool shows(const Asked& asked) const;
+  [[nodiscard]] bool shows_inputs(const Asked& asked) const;
   [[nodiscard]] bool was_done(const Asked& asked) const;
   void note_echo_shown(const Asked& asked);
   [[nodiscard]] bool is_echo_unknown(const Asked& asked, const Came& last) const;

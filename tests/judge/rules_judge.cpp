@@ -34,7 +34,6 @@ void RulesJudge::answered(Id id) {
   const Asked& asked = ledger_.asked[id];
   check_denied(asked);
   check_order(id);
-  check_odd_read(asked);
   check_forms(asked);
   check_busy(asked);
   note_gone_through(asked);

@@ -70,7 +70,6 @@ class RulesJudge : public Witness {
   [[nodiscard]] bool may_not_be_written(const Asked& asked) const;
 
   // truth_kinds.cpp
-  void check_odd_read(const Asked& asked);
   void check_forms(const Asked& asked);
   void note_due(Id asked);
   void check_order(Id asked);

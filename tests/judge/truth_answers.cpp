@@ -115,9 +115,30 @@ bool Judge::shows(const Asked& asked) const {
   return true;
 }
 
+// An answer that names no register ends in the drive's first input registers, which no other drive
+// has.
+bool Judge::shows_inputs(const Asked& asked) const {
+  constexpr std::size_t kData = 4;
+  if (asked.answer.size() <= kData) {
+    return false;
+  }
+  const Span span{oldest_of(asked, plan_.device_of(plan_.stations[*asked.intent.station])), now()};
+  for (std::uint16_t at = 0; at < 2; ++at) {
+    const std::uint16_t word = word_at(asked.answer, asked.answer.size() - kData + 2U * at);
+    if (!held(plan_.stations[*asked.intent.station], Table::input_registers, at, {&word, 1},
+              span)) {
+      return false;
+    }
+  }
+  return true;
+}
+
 void Judge::check_read(Id id) {
   const Asked& asked = ledger_.asked[id];
   const Intent& intent = asked.intent;
+  if (intent.is_odd_read && asked.answer[0] != 0x07 && !shows_inputs(asked)) {
+    note_wrong(asked, "odd_value");
+  }
   if (!intent.reads || asked.outdated || asked.perhaps_outdated) {
     return;
   }

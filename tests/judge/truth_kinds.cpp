@@ -1,34 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What names no register is answered by that drive, and a broadcast goes out in every form that is
-// used on its buses; and the order of answers.
+// A broadcast goes out in every form that is used on its buses; and the order of answers.
 #include <algorithm>
 
 #include "judge/rules_judge.hpp"
 
 namespace mbgate::judge {
-
-// Those answers end in the drive's first input registers, which no other drive has. How old they
-// may be truth_answers asks of others.
-void RulesJudge::check_odd_read(const Asked& asked) {
-  constexpr Duration kOld = 12s;
-  constexpr std::size_t kData = 4;
-  const Octets& answer = asked.answer;
-  if (!asked.intent.is_odd_read || answer[0] >= 0x80 || answer[0] == 0x07) {
-    return;
-  }
-  const auto& drives = plan_.stations[*asked.intent.station].drives;
-  const Span span{asked.given - kOld, world_.now()};
-  const bool is_its = answer.size() > kData && std::ranges::any_of(drives, [&](std::size_t drive) {
-                        const Registers& registers = world_.drives()[drive].registers();
-                        const std::uint16_t first = word_at(answer, answer.size() - kData);
-                        const std::uint16_t second = word_at(answer, answer.size() - kData + 2);
-                        return registers.held(Table::input_registers, 0, {&first, 1}, span) &&
-                               registers.held(Table::input_registers, 1, {&second, 1}, span);
-                      });
-  if (!is_its) {
-    violation("odd_value", asked);
-  }
-}
 
 void RulesJudge::check_forms(const Asked& asked) {
   if (asked.intent.kind != Kind::broadcast || asked.answer[0] >= 0x80) {
