@@ -2,6 +2,7 @@
 // What becomes of a request before it waits: it is refused, answered at once, or queued.
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include "base/assert.hpp"
 #include "bus/bus.hpp"
@@ -84,13 +85,16 @@ bool push_stop(Parts& parts, Job& job) {
   Job* same =
       parts.stops.find_any([&](const Job& stop) { return !is_begun(stop) && are_same(stop, job); });
   if (same != nullptr) {
-    const bool has_room = same->sent.followers.size() < kRoomForStops;
+    auto& joined = same->sent.followers;
+    const bool has_room = std::cmp_less(
+        std::ranges::count(joined, job.source, [](const Job* it) { return it->source; }),
+        kRoomForStops);
     if (has_room) {
-      same->sent.followers.push_back(&job);
+      joined.push_back(&job);
     }
     return has_room;
   }
-  if (!parts.stops.has_room(job.address())) {
+  if (!parts.stops.has_room(job)) {
     return false;
   }
   job.sent.waits_since = job.accepted_at;

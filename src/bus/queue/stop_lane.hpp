@@ -14,15 +14,17 @@
 
 namespace mbgate::bus {
 
-/// The most stops to one address that may wait, in addition to the limit of the queue. Identical
-/// ones share a place; this is also the most that may share one.
+/// The most stops of one client to one address that may wait, in addition to the limit of the queue.
+/// Identical ones share a place; this is also the most of one client that may share one.
 inline constexpr std::size_t kRoomForStops = 256;
 
 class StopLane {
  public:
-  [[nodiscard]] bool has_room(std::uint8_t address) {
+  [[nodiscard]] bool has_room(const Job& stop) {
     std::size_t stops = 0;
-    visit([&](const Job& it) { stops += it.address() == address ? 1U : 0U; });
+    visit([&](const Job& it) {
+      stops += it.address() == stop.address() && it.source == stop.source ? 1U : 0U;
+    });
     return stops < kRoomForStops;
   }
   /// Behind the others.

@@ -141,12 +141,13 @@ TEST_F(BusRefusedStops, AreJoinedByNoMoreThanThereIsRoomFor) {
     submit(job_of(1, kStop));
   }
   EXPECT_FALSE(bus_->submit(job_of(1, kStop), now_));
+  submit(job_of(2, kStop));  // another client's always has room
   advance(150ms);
   line(kStopFrame);
-  EXPECT_EQ(std::ranges::count(endings_, Ending::answered), 1 + bus::kRoomForStops);
+  EXPECT_EQ(std::ranges::count(endings_, Ending::answered), 2 + bus::kRoomForStops);
 }
 
-TEST_F(BusRefusedStops, HaveRoomBesideManyDifferentOnesToAnotherDevice) {
+TEST_F(BusRefusedStops, HaveRoomBesideManyDifferentOnesToAnotherDeviceOrOfAnotherClient) {
   std::vector<drive::Device> devices{axis(), axis()};
   devices[1].address = 2;
   devices[0].profile.stops =
@@ -159,6 +160,7 @@ TEST_F(BusRefusedStops, HaveRoomBesideManyDifferentOnesToAnotherDevice) {
   }
   EXPECT_FALSE(bus_->submit(job(stop(bus::kRoomForStops + 1)), now_));
   EXPECT_TRUE(bus_->submit(job(stop(0), 2), now_));
+  EXPECT_TRUE(bus_->submit(job_of(1, stop(bus::kRoomForStops + 1)), now_));
 }
 
 TEST_F(BusRefusedStops, AreSentOnTheNextLineIfTheirsIsLostWhileTheyRest) {
