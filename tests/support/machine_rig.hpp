@@ -89,6 +89,11 @@ class MachineRig {
   void reload(const Settings& settings) { feed(gateway::SettingsChanged{&settings}); }
   void clear_counters() { feed(gateway::ClearCountersAsked{}); }
   void shutdown() { feed(gateway::ShutdownAsked{}); }
+  /// The process stands still.
+  void stall(std::chrono::milliseconds duration) {
+    harness.go_on(now() + duration);
+    feed(gateway::Stalled{duration});
+  }
   [[nodiscard]] Instant now() const { return harness.now(); }
   /// Lets time pass, stopping at every deadline on the way.
   void advance(Duration duration) {

@@ -14,8 +14,8 @@
 
 namespace mbgate::bus {
 
-/// The most stops of one client to one address that may wait, in addition to the limit of the queue.
-/// Identical ones share a place; this is also the most of one client that may share one.
+/// The most stops of one client to one address that may wait, in addition to the limit of the
+/// queue. Identical ones share a place; this is also the most of one client that may share one.
 inline constexpr std::size_t kRoomForStops = 256;
 
 class StopLane {

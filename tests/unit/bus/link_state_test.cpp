@@ -47,6 +47,14 @@ TEST_F(Link, BeginsAnewOnlyAfterALineThatWorked) {
   EXPECT_EQ(link_.next_attempt(), Instant{20s});
 }
 
+TEST_F(Link, KnowsSinceWhenItIsNotOpen) {
+  link_.note_opened(Instant{10s});
+  lose(Instant{12s});
+  EXPECT_EQ(link_.left_at(), Instant{12s});
+  lose(Instant{13s});  // an attempt has failed
+  EXPECT_EQ(link_.left_at(), Instant{12s});
+}
+
 TEST_F(Link, RestsUntilItIsWanted) {
   link_.note_opened(Instant{10s});
   link_.rest(settings(), true, Instant{10s});

@@ -41,6 +41,7 @@ TEST(LimitsPlan, TheEchoOfOneRegisterHasTheValueThatTheDriveTook) {
   device.limits_values = true;
   const Planned write(device, "06 0002 1388");
   EXPECT_EQ(write.answer({"06 0002 03E8"}), "06 00 02 03 E8");
+  EXPECT_EQ(Planned(device, "05 0002 FF00").answer({"05 0002 0000"}), "05 00 02 00 00");
   device.write_function = 16;
   EXPECT_EQ(Planned(device, "06 0002 1388").answer({"10 0002 0001"}), "06 00 02 13 88");
 }
@@ -53,6 +54,9 @@ TEST(LimitsPlan, JoinsBits) {
             (Texts{"01 00 00 00 03", "01 00 03 00 03", "01 00 06 00 03", "01 00 09 00 01"}));
   EXPECT_EQ(read.answer({"01 01 05", "01 01 02", "01 01 07", "01 01 01"}), "01 02 D5 03");
   EXPECT_EQ(read.answer({"01 01 04", "01 01 02", "01 01 03", "01 01 01"}), "01 02 D4 02");
+  device.profile.limits.read[0] = 10;
+  EXPECT_EQ(Planned(device, "01 0000 0014").answer({"01 02 01 02", "01 02 FF 01"}),
+            "01 03 01 FE 07");
 }
 
 TEST(LimitsPlan, NeverCrossesTheBorderOfAGroup) {

@@ -25,6 +25,8 @@ class LoadOfALine : public testing::Test {
 TEST_F(LoadOfALine, IsNoneBeforeTheFirstTransmission) { EXPECT_EQ(load_.percent(now_), 0U); }
 
 TEST_F(LoadOfALine, CountsFromTheFirstTransmissionOn) {
+  load_.note(true, now_, now_);
+  EXPECT_EQ(load_.percent(now_), 0U);
   transmit(250ms, 750ms);
   EXPECT_EQ(load_.percent(now_), 25U);
   load_.note(true, now_, now_);

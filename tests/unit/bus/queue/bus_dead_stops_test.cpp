@@ -273,7 +273,7 @@ TEST_F(BusDeadStops, OnlyTheTimeWithoutSilenceCounts) {
   EXPECT_THAT(notices_, IsEmpty());
 }
 
-TEST_F(BusDeadStops, ALineThatIsNeverSilentIsReportedOnce) {
+TEST_F(BusDeadStops, ALineThatIsNeverSilentIsReportedOnceEachTimeItIsOpen) {
   open_axis(settings());
   babble(900ms);
   advance(10ms);
@@ -281,6 +281,10 @@ TEST_F(BusDeadStops, ALineThatIsNeverSilentIsReportedOnce) {
   EXPECT_EQ(never_silent_, 0U);
   babble(3s);
   EXPECT_EQ(never_silent_, 1U);
+  bus_->handle_lost(now_);
+  bus_->handle_opened(now_);
+  babble(3s);
+  EXPECT_EQ(never_silent_, 2U);
 }
 
 TEST_F(BusDeadStops, OnASlowLineTheLongestFrameIsNoNoise) {

@@ -30,6 +30,20 @@ TEST(Gateway, UnderstandsAtOnceWhatWasReadUpTo64Requests) {
   EXPECT_FALSE(rig.paused.contains(1));
 }
 
+TEST(Gateway, UnderstandsNoMoreThan64RequestsOfWhatWasReadAtOnce) {
+  MachineRig rig;
+  rig.connect(1);
+  std::string many;
+  for (unsigned transaction = 0; transaction < 66; ++transaction) {
+    many += read_request(transaction);
+  }
+  rig.receive(1, many);
+  EXPECT_EQ(rig.harness.gateway().report_status(0s, rig.now()).listeners[0].counters.requests, 64U);
+  rig.advance(40ms);
+  rig.respond("01 03 02 00 01");
+  EXPECT_EQ(rig.harness.gateway().report_status(0s, rig.now()).listeners[0].counters.requests, 65U);
+}
+
 TEST(Gateway, GivesThePipelineToBusesAndTheRestInItsTurn) {
   Settings settings = one_bus();
   settings.listeners[0].pipeline = 2;

@@ -55,6 +55,7 @@ TEST_F(ConnectionsAlone, ThoseOfOneAddressShareItsTurnsAndTheLastGivesThemBack) 
   EXPECT_EQ(second.turns->key, shared);
   sessions().close(second);
   EXPECT_EQ(come(4, "192.0.2.3").turns->key, shared);
+  EXPECT_NE(come(5, "192.0.2.1").turns->key, shared);
 }
 
 TEST_F(ConnectionsAlone, AreLookedAtWhenTheirTimeHasCome) {

@@ -208,7 +208,7 @@ TEST_F(SilentClient, IsSilentThoughItAsksAnotherDrive) {
 // Nobody was heard while the process stood still: what its clients asked lies in the sockets.
 TEST_F(SilentClient, WasNotSilentIfItAskedWhileTheProcessStoodStill) {
   write(rig_, 1);
-  rig_.harness.handle(gateway::Stalled{5s}, rig_.harness.now() + 5s);
+  rig_.stall(5s);
   expect_none(1ms);
   ask(rig_, 1, 1);
   expect_none(2900ms);
