@@ -37,12 +37,10 @@ void Bus::handle_opened(Instant now, LineKind kind) {
   dispatch_.pump(now);
 }
 
-void Bus::take_over(Bus& before) {
-  before.outcomes_.note_lost();
+void Bus::take_over(Bus& before, Instant now) {
+  before.outcomes_.note_lost(now);
   listens_first_until_ = before.listens_first_until_;
-  if (listens_first_until_) {  // the turnaround of a broadcast may be running
-    listens_first_until_ = std::max(*listens_first_until_, before.parts_.line.possible_at());
-  }
+  parts_.line.take_over(before.parts_.line);
   parts_.devices.take_over(before.parts_.devices);
 }
 
@@ -52,7 +50,6 @@ void Bus::handle_lost(Instant now, Loss loss) {
   if (link.is_resting()) {
     return;  // nobody has asked for a line
   }
-  const bool was_open = link.is_open();
   const bool in_order =
       line.use().has_answered() || (!line.use().was_asked() && !link.is_new(parts_.settings, now));
   if (loss == Loss::closed && link.is_open() && in_order) {
@@ -61,7 +58,7 @@ void Bus::handle_lost(Instant now, Loss loss) {
     return;
   }
   parts_.counters.losses += link.serves() ? 1U : 0U;
-  outcomes_.note_lost();
+  outcomes_.note_lost(now);
   line.abort();
   dispatch_.forget_look();
   link.note_lost(parts_.settings, now);
@@ -71,10 +68,10 @@ void Bus::handle_lost(Instant now, Loss loss) {
     outcomes_.handle_cut_stops(now);
   }
   ends_.end_running(Ending::closed);
-  // A stop has the line opened at once, and only the failure of that is its end.
-  ends_.end_waiting(Ending::closed, parts_.stopping ? Instant::max()
-                                    : was_open      ? Instant::min()
-                                                    : link.tried_at());
+  ends_.end_waiting(Ending::closed);
+  if (parts_.stopping) {
+    ends_.end_stops(Ending::closed);
+  }
   dispatch_.pump(now);
 }
 
@@ -162,14 +159,15 @@ void Bus::abandon(Job& job) {
 void Bus::stop(Instant now) {
   parts_.stopping = true;
   parts_.link.stop();
-  ends_.end_waiting(Ending::cancelled, Instant::min());
+  ends_.end_waiting(Ending::cancelled);
   dispatch_.pump(now);
 }
 
 void Bus::give_up(Instant now) {
   parts_.line.abort();
   ends_.end_running(Ending::no_answer);
-  ends_.end_waiting(Ending::cancelled, Instant::max());
+  ends_.end_waiting(Ending::cancelled);
+  ends_.end_stops(Ending::cancelled);
   dispatch_.pump(now);
 }
 

@@ -50,7 +50,7 @@ class Bus {
   /// that wait for devices that are no longer what they were must have been withdrawn.
   void update(const BusSettings& settings, std::span<const drive::Device> devices, Instant now);
   /// Another bus had the same port before: what is owed there is owed to this one.
-  void take_over(Bus& before);
+  void take_over(Bus& before, Instant now);
   /// No new transmissions but stops: other waiting jobs end as cancelled, running transactions may
   /// finish.
   void stop(Instant now);

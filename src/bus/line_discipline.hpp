@@ -3,6 +3,7 @@
 // function promises.
 #pragma once
 
+#include <algorithm>
 #include <utility>
 #include <variant>
 
@@ -23,6 +24,8 @@ class LineDiscipline {
     use_.open();
     std::visit([&](auto& line) { line.open(now, kind, listen_until); }, line_);
   }
+  /// The turnaround of a broadcast, or a frame, may be running on the line of before.
+  void take_over(const LineDiscipline& before) { not_before_ = before.possible_at(); }
   [[nodiscard]] Instant ready_at(Duration gap) const {
     return when([gap](const auto& it) { return it.ready_at(gap); });
   }
@@ -106,11 +109,13 @@ class LineDiscipline {
   template <typename Ask>
   [[nodiscard]] Instant when(Ask ask) const {
     const auto* serial = std::get_if<SerialDiscipline>(&line_);
-    return serial == nullptr ? ask(std::get<TcpDiscipline>(line_)) : ask(serial->silence());
+    return std::max(not_before_, serial == nullptr ? ask(std::get<TcpDiscipline>(line_))
+                                                   : ask(serial->silence()));
   }
 
   ConnectionUse use_;  // of a serial line: of interest behind `tcp://`
   Variant line_;
+  Instant not_before_ = Instant::min();
 };
 
 }  // namespace mbgate::bus

@@ -97,8 +97,6 @@ class LinkState {
     return true;
   }
   [[nodiscard]] std::optional<Instant> next_attempt() const { return reopen_at_; }
-  /// When the last attempt to open it again began.
-  [[nodiscard]] Instant tried_at() const { return tried_at_; }
   /// Since when it has not been open, if it is not.
   [[nodiscard]] Instant left_at() const { return left_at_; }
 

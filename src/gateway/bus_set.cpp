@@ -124,7 +124,7 @@ std::vector<BusSet::GivenUp> BusSet::adopt(const Settings& old, const Settings& 
         return is_same_port(old.bus(it.id).line, next.buses[place].line);
       });
       if (before != given_up.end()) {
-        buses_[place].bus->take_over(*before->bus);
+        buses_[place].bus->take_over(*before->bus, now);
       }
     }
   }

@@ -5,8 +5,8 @@
 namespace mbgate::explore {
 
 void StateReader::read(const bus::LineDiscipline& line, const Sight& sight, Hash& hash) {
-  // Only where the far end may close: use.
-  const auto& [use, variant] = line;
+  // Only where the far end may close: use. After a reload only: not_before.
+  const auto& [use, variant, not_before] = line;
   read(std::get<bus::SerialDiscipline>(variant), sight, hash);
 }
 

@@ -73,6 +73,10 @@ class DeviceHealth {
   [[nodiscard]] Instant state_since() const { return since_; }
   [[nodiscard]] bool is_offline() const { return state() == DeviceState::offline; }
   [[nodiscard]] unsigned unanswered_in_row() const { return unanswered_in_row_; }
+  /// Its last transmission is unanswered, the one before was answered.
+  [[nodiscard]] bool answered_before_last() const {
+    return unanswered_in_row_ == 1 && answered_sent_ != Instant::min();
+  }
 
  private:
   static constexpr unsigned kDamagedInRow = 3;  // of a device that answers, before it is shown

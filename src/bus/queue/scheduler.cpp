@@ -72,7 +72,7 @@ bool Scheduler::goes_before_repeated(const Choice& choice, const Choice& repeate
   const bool is_paid = parts_.payback.is_due(repeated.at()) &&
                        !parts_.devices[choice.job->address()].is_silent() &&
                        (is_write(choice.job->job_class) || !is_write(repeated.job->job_class));
-  return choice.at() < repeated.at() ||
+  return choice.at() < repeated.at() || (is_of_first_class && choice.when.ends_silence) ||
          (choice.at() == repeated.at() && (is_of_first_class || is_paid));
 }
 
@@ -82,7 +82,7 @@ Job* Scheduler::next_repeated(Passing passing, Instant now) const {
   for (Job* running : parts_.transmissions.running()) {
     if (running->is_between_tries() && !is_held_back(parts_, *running, now) &&
         parts_.transmissions.may_go_on(*running) &&
-        (passing == Passing::nothing || may_pass_stops(*running, now)) &&
+        (passing == Passing::nothing || may_pass_stops(*running)) &&
         (next == nullptr || running->sent.last_at < next->sent.last_at)) {
       next = running;
     }
@@ -105,7 +105,7 @@ std::optional<Scheduler::Choice> Scheduler::next_waiting(Passing passing, Instan
       return false;
     }
     const std::uint8_t address = job.transaction().address;
-    if (passing == Passing::stops && !may_pass_stops(job, now)) {
+    if (passing == Passing::stops && !may_pass_stops(job)) {
       return false;
     }
     if (claimed[address] || !may_join(job)) {

@@ -100,7 +100,7 @@ class Scheduler {
   [[nodiscard]] Next next_stop(Job& stop, Instant now) const;
   [[nodiscard]] bool gives_way(const Job& stop, Instant now) const;
   [[nodiscard]] std::optional<Choice> turn_before(const Job& stop, Instant now) const;
-  [[nodiscard]] bool may_pass_stops(const Job& job, Instant now) const;
+  [[nodiscard]] bool may_pass_stops(const Job& job) const;
 
   Parts& parts_;
 };

@@ -10,8 +10,8 @@ namespace {
 // It has answered neither its last transmission nor the one before; or it has refused its last
 // stop.
 bool does_not_obey(const DeviceEntry& entry) {
-  return entry.stop_unanswered || entry.failed_stop ||
-         (entry.is_silent() && entry.health.unanswered_in_row() != 1);
+  return entry.failed_stop ||
+         ((entry.stop_unanswered || entry.is_silent()) && !entry.health.answered_before_last());
 }
 
 // Of two stops to drives that do not answer, the second lets something else go first, and so does
@@ -79,7 +79,7 @@ std::optional<Scheduler::Choice> Scheduler::turn_before(const Job& stop, Instant
   const auto running = parts_.transmissions.running();
   const auto part = std::ranges::find_if(running, [&](const Job* job) {
     return parts_.transmissions.may_go_on(*job) && !job->is_between_tries() &&
-           !is_held_back(parts_, *job, now) && may_pass_stops(*job, now);
+           !is_held_back(parts_, *job, now) && may_pass_stops(*job);
   });
   if (part != running.end()) {
     turn = ready(**part, now);
@@ -90,12 +90,11 @@ std::optional<Scheduler::Choice> Scheduler::turn_before(const Job& stop, Instant
 }
 
 // Reads may, for one may show that what came was no echo, and what is for devices that no waiting
-// stop is for, unless that stop only repeats an acknowledged one.
-bool Scheduler::may_pass_stops(const Job& job, Instant now) const {
+// stop is for.
+bool Scheduler::may_pass_stops(const Job& job) const {
   return job.job_class == JobClass::read ||
          (!job.is_broadcast() && parts_.stops.find([&](const Job& stop) {
-           return (stop.address() == job.address() || stop.is_broadcast()) &&
-                  !parts_.acknowledged.has(stop, now);
+           return stop.address() == job.address() || stop.is_broadcast();
          }) == nullptr);
 }
 

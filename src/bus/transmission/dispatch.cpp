@@ -115,7 +115,7 @@ bool Dispatch::reopen_if_hung(Instant now) {
 void Dispatch::rest(Instant now) {
   parts_.link.rest(parts_.settings, parts_.line.use().has_answered(), now);
   forget_look();
-  outcomes_.note_lost();
+  outcomes_.note_lost(now);
   parts_.line.abort();
   outcomes_.handle_cut(now);
   pump(now);
@@ -159,7 +159,7 @@ void Dispatch::watch_deadlines(Instant now) {
     if (running->sent.in_flight || running->is_stop()) {
       continue;
     }
-    wait_for(wake_at(running->ends_at(*running)));
+    wait_for(wake_at(running->deadline > now ? running->deadline : running->ends_at(*running)));
     for (const Job* follower : running->sent.followers) {
       wait_for(wake_at(running->ends_at(*follower)));
     }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "bus/queue/scheduler.hpp"
+
 namespace mbgate::bus {
 namespace {
 
@@ -81,7 +83,10 @@ std::optional<Ending> JobEnds::over(const Job& job, const Job& running, Instant 
   if (!job.is_broadcast() && parts_.devices[job.address()].health.is_offline()) {
     return Ending::offline;
   }
-  return now >= running.ends_at(job) ? std::optional(Ending::expired) : std::nullopt;
+  // The device may owe an answer for long: a command must not be completed so late.
+  const bool is_held =
+      is_write(job.job_class) && now >= job.deadline && is_held_back(parts_, running, now);
+  return is_held || now >= running.ends_at(job) ? std::optional(Ending::expired) : std::nullopt;
 }
 
 void JobEnds::drop_followers(Job& job, Instant now) {
@@ -127,16 +132,16 @@ void JobEnds::end_running(Ending ending) {
   }
 }
 
-void JobEnds::end_waiting(Ending ending, Instant stops_since) {
+void JobEnds::end_waiting(Ending ending) {
   while (Job* job = parts_.queue.first_to_expire()) {
     parts_.queue.remove(*job);
     end(*job, ending);
   }
-  const auto is_over = [&](const Job& it) { return it.sent.waits_since <= stops_since; };
-  if (parts_.stops.find_any(is_over) != nullptr) {
-    parts_.stops.wake(Instant::max());
-  }
-  while (Job* stop = parts_.stops.find_any(is_over)) {
+}
+
+void JobEnds::end_stops(Ending ending) {
+  parts_.stops.wake(Instant::max());
+  while (Job* stop = parts_.stops.find([](const Job& /*any*/) { return true; })) {
     parts_.stops.remove(*stop);
     finish(*stop, ending);
   }

@@ -27,8 +27,10 @@ class JobEnds {
   /// Ends running jobs that are not on the wire and of which nothing more is to be sent.
   void end_over(Instant now);
   void end_running(Ending ending);
-  /// Ends the jobs that wait, of stops those that have waited since then or longer.
-  void end_waiting(Ending ending, Instant stops_since);
+  /// Ends the jobs that wait, stops excepted.
+  void end_waiting(Ending ending);
+  /// Ends the stops that wait.
+  void end_stops(Ending ending);
   /// The device at the address is offline: ends the jobs that wait for it.
   void end_waiting_for(std::uint8_t address);
   /// Ends writes that were to be repeated and no longer may be.

@@ -256,12 +256,18 @@ void Outcomes::remember(const Job& job) {
   }
 }
 
-void Outcomes::note_lost() {
+void Outcomes::note_lost(Instant now) {
   const auto due = parts_.line.response_due();
   for (const Job* running : parts_.transmissions.running()) {
     const Transaction& sent = running->transaction();
-    if (due && running->sent.in_flight && !sent.is_broadcast() && !sent.may_stay_silent()) {
-      DeviceEntry& entry = parts_.devices[sent.address];
+    if (!running->sent.in_flight) {
+      continue;
+    }
+    if (sent.is_broadcast()) {
+      parts_.devices.hold_booting(sent, now);
+    } else if (DeviceEntry& entry = parts_.devices[sent.address]; sent.may_stay_silent()) {
+      entry.hold_booting(sent.boot_time, now);
+    } else if (due) {
       entry.hold.note_unanswered(sent_of(*running, *entry.device, *due + running->sent.hurried_by));
     }
   }

@@ -28,7 +28,7 @@ class Outcomes {
   /// A connection was closed by the server: what was in flight has no answer.
   void handle_cut(Instant now);
   /// The line is lost: devices may still answer what was on the wire.
-  void note_lost();
+  void note_lost(Instant now);
   /// The stop has had all its tries.
   void give_up_stop(Job& stop, Instant now);
 

@@ -143,5 +143,24 @@ TEST_F(BusBroadcast, AnAnswerToABroadcastIsStray) {
   EXPECT_EQ(bus_->counters().unsolicited_frames, 1U);
 }
 
+TEST_F(BusBroadcast, NotEvenAStopGoesWithinTheTurnaroundOfTheBusBefore) {
+  bus::Bus before(settings(), {});
+  before.handle_opened(now_);
+  now_ += 5ms;
+  EXPECT_TRUE(before.submit(job("06 0000 0001", 0), now_));
+  before.handle_looked(now_);
+  const Instant over = now_ + kEmission + settings().turnaround;
+  now_ += 10ms;
+  bus_.emplace(settings(), std::vector<drive::Device>{});
+  bus_->take_over(before, now_);
+  bus_->handle_opened(now_);
+  drain();
+  bus::Job& stop = job("06 007C 00E1");
+  stop.job_class = bus::JobClass::stop;
+  submit(stop);
+  advance(1s);
+  EXPECT_EQ(frame_times_.at(0), over);
+}
+
 }  // namespace
 }  // namespace mbgate::test

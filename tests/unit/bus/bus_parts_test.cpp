@@ -24,6 +24,26 @@ TEST_F(BusParts, ARunOfWhichAPartWasDoneIsFinishedAfterItsDeadline) {
   EXPECT_EQ(bus_->counters().expired, 0U);
 }
 
+// The device may owe more answers than were counted, and is left alone for as long.
+TEST_F(BusParts, ARunThatIsHeldBackBeyondItsDeadlineEndsThere) {
+  open(settings());
+  submit(job("06 0000 0007"));
+  advance(5s);
+  endings_.clear();
+  bus::Job& run = job("06 0000 0001");
+  add(run, "06 0001 0001");
+  run.deadline = now_ + 1s;
+  submit(run);
+  advance(10ms);
+  line(frames_.back());
+  advance(988ms);
+  EXPECT_THAT(endings_, IsEmpty());
+  advance(10ms);
+  EXPECT_THAT(endings_, ElementsAre(Ending::expired));
+  advance(20s);
+  EXPECT_THAT(frames_, SizeIs(2));
+}
+
 TEST_F(BusParts, ReadsInPartsThatHaveBegunAreFinishedAfterTheirDeadline) {
   auto slow = settings();
   slow.timing.gap = 10s;

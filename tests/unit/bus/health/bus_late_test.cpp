@@ -166,7 +166,7 @@ TEST_F(BusLate, ABusThatTakesThePortOverLeavesTheDeviceAloneToo) {
   auto renamed = settings();
   renamed.listen_first = 5s;
   bus_.emplace(renamed, std::vector<drive::Device>{});
-  bus_->take_over(before);
+  bus_->take_over(before, now_);
   bus_->handle_opened(now_);
   drain();
   submit(job(kOther));
@@ -186,7 +186,7 @@ TEST_F(BusLate, ABusThatTakesThePortOverListensForTheRestOfItsFirstTime) {
   const Instant until = now_ + 500ms;
   advance(100ms);
   bus_.emplace(listening, std::vector<drive::Device>{});
-  bus_->take_over(before);
+  bus_->take_over(before, now_);
   bus_->handle_opened(now_);
   drain();
   submit(job(kRead));

@@ -35,6 +35,19 @@ class BusRepeatedStops : public Bus {
   }
 };
 
+TEST_F(BusRepeatedStops, WhatTheSameClientAsksOfTheDeviceAfterwardsIsSentAfterwards) {
+  open_axes(settings());
+  submit(job(kStop));
+  submit(job(kStop));  // joins it no more, as it is on the wire
+  submit(job(kMove));
+  for (int answers = 0; answers < 2; ++answers) {
+    advance(10ms);
+    line(frames_.back());
+  }
+  advance(100ms);
+  EXPECT_THAT(frames_, ElementsAre(kStopFrame, kStopFrame, kMoveFrame));
+}
+
 TEST_F(BusRepeatedStops, AStopGoesFirst) {
   open_axes(settings());
   wait_behind_another_stop();

@@ -113,6 +113,8 @@ TEST_F(BusStopOrder, ADriveThatHasLostOneAnswerStillAnswers) {
   for (const bool is_dead : {false, true}) {
     frames_.clear();
     open_settling();
+    submit(job_of(1, kRead));
+    answer_after(10ms, kAnswer);
     for (int times = 0; times < (is_dead ? 2 : 1); ++times) {
       submit(job_of(1, kRead));
       advance(300ms);
@@ -125,6 +127,17 @@ TEST_F(BusStopOrder, ADriveThatHasLostOneAnswerStillAnswers) {
     advance(10ms);
     EXPECT_EQ(frames_.at(0), is_dead ? "02 06 00 7C 00 E1 88 69" : kStopFrame);
   }
+}
+
+TEST_F(BusStopOrder, NothingGoesBeforeTheRepetitionToADriveThatAnsweredBefore) {
+  open_settling();
+  submit(job_of(1, kRead));
+  answer_after(10ms, kAnswer);
+  submit(job(kStop));
+  advance(10ms);
+  submit(job_of(1, kRead, 2));
+  advance(130ms);
+  EXPECT_THAT(frames_, ElementsAre(kReadFrame, kStopFrame, kStopFrame));
 }
 
 TEST_F(BusStopOrder, SoDoThoseToTwoDeadDrives) {
