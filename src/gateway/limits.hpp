@@ -14,6 +14,10 @@ namespace mbgate::gateway {
 /// The driver reads a socket in pieces of at most this size.
 inline constexpr std::size_t kClientReadSize = 2048;
 
+/// And what a client that has gone has left there at most this far, for a stop may be among it.
+/// More than 64 requests of any size.
+inline constexpr std::size_t kClientLastSize = 32768;
+
 /// Requests of a connection that may be unanswered, more than any client waits for; with answers
 /// that were not sent yet so many that its socket is not read.
 inline constexpr std::size_t kRequestsOutstanding = 64;

@@ -51,7 +51,7 @@ void visit_fields(Line& line, Entry& entry) {
                          entry.client;
                          entry.bytes;
                        }) {
-    line.last_bytes(entry.bytes, kClientReadSize);
+    line.last_bytes(entry.bytes, kClientLastSize);
   } else if constexpr (requires { entry.bytes.size(); }) {
     line.bytes(entry.bytes);
   } else if constexpr (requires { entry.bytes; }) {

@@ -96,10 +96,20 @@ void TcpConnection::close(bus::Duration limit) {
 }
 
 modbus::Bytes TcpConnection::abort() {
-  ReadBuffer& buffer = context_.buffer;
-  const ssize_t count = ::recv(socket_.native_handle(), buffer.data(), buffer.size(), MSG_DONTWAIT);
+  const modbus::Bytes unread = read_rest(0);
   close_socket();
-  return modbus::Bytes(buffer).first(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+  return unread;
+}
+
+// What can still be read, behind so many bytes that have been read.
+modbus::Bytes TcpConnection::read_rest(std::size_t have) {
+  ReadBuffer& buffer = context_.buffer;
+  for (ssize_t count = 1; count > 0;
+       have += static_cast<std::size_t>(std::max<ssize_t>(count, 0))) {
+    count =
+        ::recv(socket_.native_handle(), buffer.data() + have, buffer.size() - have, MSG_DONTWAIT);
+  }
+  return modbus::Bytes(buffer).first(have);
 }
 
 void TcpConnection::close_socket() {
@@ -139,15 +149,18 @@ boost::asio::awaitable<void> TcpConnection::read_loop(std::shared_ptr<TcpConnect
 
 void TcpConnection::read_once() {
   ReadBuffer& buffer = context_.buffer;
-  const ssize_t count = ::recv(socket_.native_handle(), buffer.data(), buffer.size(), MSG_DONTWAIT);
+  const ssize_t count =
+      ::recv(socket_.native_handle(), buffer.data(), gateway::kClientReadSize, MSG_DONTWAIT);
   if (count > 0) {
     const auto size = static_cast<std::size_t>(count);
     if (is_gone(socket_.native_handle())) {
+      const modbus::Bytes unread = read_rest(size);
       close_socket();
-      context_.events.client_disconnected(client_, modbus::Bytes(buffer).first(size));
+      context_.events.client_disconnected(client_, unread);
       return;
     }
-    const std::size_t unread = size < buffer.size() ? 0 : unread_bytes(socket_.native_handle());
+    const std::size_t unread =
+        size < gateway::kClientReadSize ? 0 : unread_bytes(socket_.native_handle());
     context_.events.client_bytes(client_, modbus::Bytes(buffer).first(size), unread);
   } else if (count == 0) {
     handle_fin();

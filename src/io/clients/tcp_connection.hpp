@@ -45,7 +45,7 @@ class ConnectionEvents {
 /// How many bytes have come and were not read yet.
 std::size_t unread_bytes(int socket);
 
-using ReadBuffer = std::array<std::uint8_t, gateway::kClientReadSize>;
+using ReadBuffer = std::array<std::uint8_t, gateway::kClientLastSize>;
 
 /// What the connections of one io thread share.
 struct ConnectionContext {
@@ -90,6 +90,7 @@ class TcpConnection : public std::enable_shared_from_this<TcpConnection> {
   static boost::asio::awaitable<void> write_loop(std::shared_ptr<TcpConnection> self);
   static boost::asio::awaitable<void> discard_until_fin(std::shared_ptr<TcpConnection> self);
   void read_once();
+  modbus::Bytes read_rest(std::size_t have);
   bool write_queued();
   void start_writing();
   void handle_fin();

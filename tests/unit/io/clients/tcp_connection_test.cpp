@@ -91,12 +91,22 @@ TEST_F(TcpConnectionTest, HandsOverWhatWasUnreadWhenSendingFails) {
   EXPECT_EQ(read_when_gone_, "request");
 }
 
+TEST_F(TcpConnectionTest, HandsOverAllThatAClientHasSentThatHasGone) {
+  const std::string requests(3 * gateway::kClientReadSize, 'r');
+  ASSERT_TRUE(client_.send(requests));
+  client_.reset();
+  connection_->start();
+  ASSERT_TRUE(wait_for([&] { return disconnected_; }));
+  EXPECT_EQ(read_when_gone_, requests);
+}
+
 TEST_F(TcpConnectionTest, GivesBackWhatWasUnreadWhenItIsAborted) {
-  ASSERT_TRUE(client_.send("request"));
+  const std::string requests(3 * gateway::kClientReadSize, 'r');
+  ASSERT_TRUE(client_.send(requests));
   client_.reset();
   ASSERT_EQ(connection_->send(adu_of(1)), TcpConnection::SendOutcome::failed);
   const modbus::Bytes unread = connection_->abort();
-  EXPECT_EQ(std::string(unread.begin(), unread.end()), "request");
+  EXPECT_EQ(std::string(unread.begin(), unread.end()), requests);
 }
 
 TEST_F(TcpConnectionTest, StillSendsAfterTheFin) {
