@@ -207,12 +207,13 @@ void StateReader::read(const bus::DeviceEntry& entry, const Sight& sight, Hash& 
 
 void StateReader::read(const bus::DeviceHealth& health, const drive::DeviceTiming& timing,
                        Hash& hash) {
-  // On a serial line all that may end was sent later than what was answered: answered_sent. Shown
-  // only: damaged_in_row, since.
+  // Of answered_sent only whether there is one, as all that may end was sent later. Shown only:
+  // damaged_in_row, since.
   const auto& [unanswered_in_row, answered_sent, damaged_in_row, state, since] = health;
   if (timing.offline_after != 0) {
     hash.add(unanswered_in_row);
   }
+  hash.add(health.answered_before_last());
   hash.add(health.is_offline());  // the others are told only, and since when
 }
 
@@ -220,8 +221,8 @@ void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing,
   // What was learned is forgotten by the minute, which no small world lives: while_began,
   // learned_at, longest_before, shortest_before.
   const auto& [unanswered, pending, limits_now, is_doubtful, is_decisive, suspected_now, held_until,
-               pace, heard_at, tails, silent, rests_until, rested_at, answered, was_sudden, seconds,
-               clean, longest_second] = hold;
+               held_since, pace, heard_at, tails, silent, rests_until, rested_at, answered,
+               was_sudden, seconds, clean, longest_second] = hold;
   // No registers are slow, no reload shortens times, no line is TCP: limits, unit, is_slow,
   // longest_ordinary, ordinary_before.
   const auto& [longest_answer, longest_before, longest_ordinary, ordinary_before, shortest_answer,
@@ -246,7 +247,7 @@ void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing,
   hash.add(suspected_now);
   hash.add(held_until.has_value());
   hash.until(held_until.value_or(hash.now()));
-  hash.since(held_until.value_or(hash.now()), kFarPast);  // what it has waited for
+  hash.since(held_since, kFarPast);
   hash.since(heard_at, kFarPast);
   hash.add(tails);
   std::ranges::for_each(silent, [&](Instant sent) { hash.since(sent, kFarPast); });

@@ -56,10 +56,9 @@ void Hold::note_answered(const Sent& sent, modbus::Bytes response, Duration took
   }
   const Instant oldest = oldest_unanswered(sent.sent);
   const auto earlier = find(unanswered_, response);
-  // A device that answers this one at once, and nothing else, has no queue: it owes no more than
-  // before.
+  // A device that answers this one at once, and nothing else, has no queue, and owes no more.
   const bool had_its_time = sent.is_probe || (held_until_ && !unanswered_.empty() &&
-                                              unanswered_.back().sent < *held_until_);
+                                              unanswered_.back().sent < held_since_);
   const bool has_no_queue =
       earlier == unanswered_.end() && had_its_time && took * kFastPart < timing.response_timeout;
   Duration since_earlier{0};
@@ -103,6 +102,7 @@ Instant Hold::oldest_unanswered(Instant otherwise) const {
 // No longer than anything is owed.
 void Hold::hold_for_rest(Instant oldest_sent, Instant now, const Timing& timing) {
   held_until_.reset();
+  held_since_ = now;
   const auto count =
       std::ranges::count(unanswered_, false, &Unanswered::may_be_answered) + (pending_ ? 1 : 0);
   if (count > 0) {
@@ -138,7 +138,7 @@ void Hold::settle(Instant now, const Timing& timing, bool was_held) {
     }
   }
   std::erase_if(unanswered_, [&](const Unanswered& it) {
-    const bool was_waited_for = held_until_ && it.sent < *held_until_;
+    const bool was_waited_for = held_until_ && it.sent < held_since_;
     const Duration longest = std::max(it.limits.quarantine_max, timing.quarantine_max);
     return it.is_over && ((!is_held && (was_waited_for || it.is_unreadable)) ||
                           now >= it.sent + longest + kAdapterKeeps);
@@ -269,9 +269,10 @@ template <typename Predicate>
 Instant Hold::end_of_tails(const Timing& timing, Predicate holds, bool decides) const {
   const Instant held = std::max(held_until_.value_or(Instant::min()), rests_until_);
   const Instant begin = decides ? heard_at_ + timing.response_timeout + kAdapterKeeps : held;
+  const Duration longer = decides ? timing.response_timeout : Duration{0};  // in doubt
   Instant until = std::max(begin, end_of_seconds(timing));
   for (const Unanswered& it : unanswered_) {
-    until = holds(it) ? std::max(until, end_of_tail(it, timing)) : until;
+    until = holds(it) ? std::max(until, end_of_tail(it, timing) + longer) : until;
   }
   return until;
 }

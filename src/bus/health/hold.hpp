@@ -248,6 +248,7 @@ class Hold {
   bool is_decisive_ = false;                // the answer to the one on the wire ends the doubt
   Duration suspected_{0};                   // as in Unanswered, of that one
   std::optional<Instant> held_until_;       // the device may owe more than was counted
+  Instant held_since_ = Instant::min();     // what was sent before that is waited for
   AnswerPace pace_;
   Instant heard_at_ = Instant::min();
 

@@ -31,6 +31,16 @@ TEST_F(Health, AnotherRequestIsShownToBeLateByItsOwnTimeout) {
   EXPECT_EQ(seen->shown, 40ms);
 }
 
+// The device was left alone for the answers to what was sent before.
+TEST_F(Health, ARetryThatWasSentDuringAHoldIsOwedWhenTheHoldIsOver) {
+  unanswered(read_, 100ms);
+  answered(write_, kEcho, 250ms, 50ms);
+  EXPECT_FALSE(may_be_asked(599ms));
+  unanswered(read_, 690ms);
+  asked(1s);
+  EXPECT_EQ(owed(other_read_), 1U);
+}
+
 TEST_F(Health, OfManyUnansweredOnesTheOldestIsForgotten) {
   for (std::size_t count = 1; count <= bus::kMostUnanswered + 1; ++count) {
     unanswered(read_, 100ms);

@@ -56,30 +56,6 @@ TEST_F(BusTurns, ADeviceBootsThoughTheLineIsLostMeanwhile) {
   EXPECT_THAT(frame_times_, ElementsAre(lost + 3s));
 }
 
-// Between two tries to a device that does not answer.
-TEST_F(BusTurns, AWriteThatNeedsAGapGoesBeforeARepeatedRead) {
-  auto retrying = settings();
-  retrying.timing.retries = 1;
-  drive::Device gapped{"gapped", {}, 5, retrying.timing};
-  gapped.timing.gap = 30ms;
-  open(retrying, {{"dead", {}, 2, retrying.timing}, gapped});
-  submit(job_of(1, kRead, 2));
-  submit(job_of(2, "06 0000 0001", 3));
-  time_out();
-  for (Duration paid{}; paid < 120ms; paid += 10ms) {
-    submit(job_of(2, "06 0000 0001", 3));
-    advance(10ms);
-    refuse(3, 6);
-  }
-  advance(10ms);
-  submit(job_of(2, "06 0000 0001", 5));
-  refuse(3, 6);
-  frames_.clear();
-  advance(40ms);
-  ASSERT_THAT(frames_, SizeIs(1));
-  EXPECT_EQ(unhex(frames_[0])[0], 5);
-}
-
 TEST_F(BusTurns, ClientsTakeTurns) {
   open_with_devices();
   occupy();
