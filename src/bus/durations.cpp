@@ -58,7 +58,7 @@ std::optional<Duration> Durations::percentile(unsigned percent) const {
     return std::nullopt;
   }
   constexpr unsigned kPercent = 100;
-  const unsigned wanted = std::max((all_ * percent + kPercent - 1) / kPercent, 1U);
+  const unsigned wanted = (all_ * percent + kPercent - 1) / kPercent;
   unsigned seen = 0;
   for (std::size_t step = 0; step + 1 < kSteps; ++step) {
     seen += counts_[step];

@@ -134,7 +134,6 @@ void LineQuality::forget() {
   crcs_ = {};
   line_reported_ = Quality::unknown;
   bad_devices_ = 0;
-  unasked_ = 0;
 }
 
 void LineQuality::forget(std::uint8_t address) {

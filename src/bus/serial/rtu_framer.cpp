@@ -159,7 +159,6 @@ void RtuFramer::accept(const RtuFind& response) {
   noise_ = response.at;
   counters_.noise_bytes += response.at;
   buffer_.drop(response.at + response.size);
-  answer_ = Answer::not_begun;
   is_behind_frame_ = true;
 }
 

@@ -31,7 +31,6 @@ bool begins_with(modbus::Bytes stream, std::uint16_t identifier) {
 }  // namespace
 
 void TcpDiscipline::open(Instant now, LineKind /*kind*/, Instant listen_until) {
-  abort();
   listening_until_ = settings_.check_transaction ? Instant::min() : listen_until;
   quiet_since_ = now;
   ready_first_at_ = now + settings_.connect_delay;

@@ -142,7 +142,6 @@ void Outcomes::handle_response(Job& job, const LineEnd& end, Instant now) {
   DeviceEntry& entry = parts_.devices[asked.address];
   const bool exception = response.is_exception();
   take_response(job, end, now);
-  job.sent.is_probe = false;
   if (job.is_single_read()) {
     for (Job* follower : job.sent.followers) {
       follower->transaction().response = response;

@@ -162,11 +162,6 @@ TEST_F(Broadcasts, SoIsItUnderWhateverUnit) {
   EXPECT_EQ(sent("05 000B FF00", 29), Texts{"128: 05 00 0B FF 00"});
 }
 
-TEST_F(Broadcasts, ToAllBusesOfAGatewayWithoutOneLeadNowhere) {
-  routes[0].buses.clear();
-  EXPECT_EQ(sent("06 0001 0001"), Texts{"no resolved"});
-}
-
 TEST_F(Broadcasts, WhoeverMayListenIsAsked) {
   // At address 0 a drive without a stated form may hear what is meant for another.
   devices = {moons(1, {}), moons(2, {})};

@@ -43,6 +43,9 @@ TEST(WordOrderPlan, AsksADriveForItsOrderBeforeValuesAreWrittenButNotBeforeAStop
   device.profile.stops = {{Table::holding_registers, 9, 0xFFFF, 0xE1, false, 2}};
   EXPECT_EQ(Planned(device, "10 0009 0003 06 00E2 0001 0002").requests(),
             (Texts{"03 00 05 00 01", "10 00 09 00 03 06 00 E2 00 02 00 01"}));
+  device.bus = drive::BusId{1};
+  EXPECT_EQ(Planned(device, "10 0009 0003 06 00E2 0001 0002").plan->transactions()[0].bus,
+            device.bus);
   EXPECT_EQ(Planned(device, "10 0009 0003 06 00E1 0001 0002").requests(),
             Texts{"10 00 09 00 03 06 00 E1 00 02 00 01"});
   EXPECT_EQ(Planned(device, "17 0004 0002 0001 0001 02 1234").requests(),

@@ -24,6 +24,7 @@ TEST_F(Pace, KnowsTheLongestAnswerOfThisMinuteAndOfTheOneBefore) {
   EXPECT_EQ(pace_.longest_answer(), 30ms);
   answer(5ms, 60s);
   EXPECT_EQ(pace_.longest_answer(), 30ms);
+  EXPECT_EQ(pace_.longest_ordinary(), 30ms);
   answer(6ms, 120s);
   EXPECT_EQ(pace_.longest_answer(), 6ms);
 }

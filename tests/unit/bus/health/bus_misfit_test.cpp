@@ -115,6 +115,7 @@ TEST_F(BusMisfit, ALimitedEchoIsTheAnswerWhereTheDeviceIsToldToGiveIt) {
   line(kLimited);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
   EXPECT_EQ(jobs_[0].transactions[0].response, modbus::Pdu::from(unhex("06 0005 03E8")));
+  EXPECT_EQ(bus_->devices()[1].counters.noise_bytes, 0U);
   ask(kSetPoint);
   line("01 06 00 06 03 E8 69 75");  // of another register
   advance(20ms);

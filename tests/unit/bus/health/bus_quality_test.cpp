@@ -170,6 +170,20 @@ TEST_F(BusQuality, ADeniedEchoIsToldOnceThoughAReadWithoutOneClearsIt) {
   EXPECT_THAT(faults_, ElementsAre(bus::LineFault::echo_denied));
 }
 
+// The first ones may be answers to somebody who had the line before.
+TEST_F(BusQuality, OnANewLineTheThirdSecondAnswerIsTold) {
+  open(settings());
+  for (int times = 0; times < 3; ++times) {
+    EXPECT_THAT(notices_, IsEmpty());
+    ask();
+    line(kAnswer);
+    advance(5ms);
+    line(kAnswer);
+    rest();
+  }
+  EXPECT_THAT(notices_, ElementsAre(Notice::second_answer));
+}
+
 TEST_F(BusQuality, ASecondAnswerIsNoOtherClient) {
   open(settings());
   advance(11s);

@@ -180,6 +180,8 @@ TEST_F(BusClosedLine, OneBehindTcpThatWasAskedAndHasNotAnsweredIsLost) {
   lose(bus::Loss::closed);
   EXPECT_EQ(bus_->counters().losses, 1U);
   EXPECT_THAT(endings_, ElementsAre(Ending::closed));
+  lose(bus::Loss::failed);  // an attempt to open it again
+  EXPECT_EQ(bus_->counters().losses, 1U);
 }
 
 TEST_F(BusClosedLine, AReadThatWasOnTheWireThereIsAskedOnceMoreAndAWriteIsNot) {

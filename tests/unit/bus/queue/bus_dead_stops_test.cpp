@@ -287,18 +287,5 @@ TEST_F(BusDeadStops, ALineThatIsNeverSilentIsReportedOnceEachTimeItIsOpen) {
   EXPECT_EQ(never_silent_, 2U);
 }
 
-TEST_F(BusDeadStops, OnASlowLineTheLongestFrameIsNoNoise) {
-  auto slow = settings();
-  slow.line.baud = modbus::Baud{1200};
-  open_axis(slow);
-  EXPECT_GT(bus::stop_deadline(slow), 2500ms);
-  advance(1s);
-  for (int bytes = 0; bytes < 256; ++bytes) {
-    advance(9ms);
-    line("55");
-  }
-  EXPECT_EQ(never_silent_, 0U);
-}
-
 }  // namespace
 }  // namespace mbgate::test

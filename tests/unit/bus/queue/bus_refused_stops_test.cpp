@@ -163,6 +163,20 @@ TEST_F(BusRefusedStops, HaveRoomBesideManyDifferentOnesToAnotherDeviceOrOfAnothe
   EXPECT_TRUE(bus_->submit(job_of(1, stop(bus::kRoomForStops + 1)), now_));
 }
 
+TEST_F(BusRefusedStops, KeepTheirPlacesWhileTheyRest) {
+  drive::Device device = axis();
+  device.profile.stops = {{.address = 0x007C, .mask = 0xF000, .value = 0x5000}};
+  open(settings(), {device});
+  const auto stop = [](std::size_t word) { return fmt::format("06 007C {:04X}", 0x5000 + word); };
+  submit(job(stop(0)));
+  advance(10ms);
+  line(kBusy);
+  for (std::size_t word = 1; word < bus::kRoomForStops; ++word) {
+    submit(job(stop(word)));
+  }
+  EXPECT_FALSE(bus_->submit(job(stop(bus::kRoomForStops)), now_));
+}
+
 TEST_F(BusRefusedStops, AreSentOnTheNextLineIfTheirsIsLostWhileTheyRest) {
   open(settings(), {axis()});
   submit(job(kStop));

@@ -39,6 +39,30 @@ TEST_F(BusStopWait, AnAnswerOfASlowRegisterMakesNoLaterStopWaitLonger) {
   EXPECT_EQ(frames_.back(), kStopFrame);
 }
 
+TEST_F(BusStopWait, NoWriteToItsOwnDeviceGoesBeforeAStopIsRepeated) {
+  open(settings(), {axis(settings()), axis(settings(), 2)});
+  submit(job(kStop));
+  submit(job_of(1, kMove));
+  submit(job_of(2, kMove, 2));
+  advance(110ms);
+  ASSERT_THAT(frames_, SizeIs(2));
+  EXPECT_EQ(unhex(frames_[1])[0], 2);
+}
+
+TEST_F(BusStopWait, OneThatIsAbandonedHoldsUpNobody) {
+  open(settings(), {axis(settings())});
+  submit(job(kRead, 2));
+  advance(10ms);
+  bus::Job& stop = job_of(1, kStop);
+  submit(stop);
+  submit(job_of(2, kRead));
+  bus_->abandon(stop);
+  line("02 03 02 12 34 F1 33");
+  advance(5ms);
+  EXPECT_THAT(frames_, ElementsAre(kOtherDevice, kReadFrame));
+  EXPECT_THAT(endings_, testing::UnorderedElementsAre(Ending::answered, Ending::cancelled));
+}
+
 // Into an answer that is on its way a stop would be lost.
 TEST_F(BusStopWait, AStopWaitsForTwiceTheLongestAnswerOfLate) {
   auto slow = settings();

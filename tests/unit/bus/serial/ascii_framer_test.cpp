@@ -139,6 +139,14 @@ TEST_F(AsciiFramer, AColonBeginsTheFrameAnew) {
   EXPECT_EQ(counters_.stray_bytes, 7U);
 }
 
+TEST_F(AsciiFramer, SlackIsTheSilenceThatALoneCarriageReturnNeeds) {
+  framer_.set_slack(200ms);
+  expect(kRead);
+  EXPECT_EQ(add(":0103021234B4\r"), Verdict::none);
+  EXPECT_EQ(after(199ms), Verdict::none);
+  EXPECT_EQ(after(1ms), Verdict::response);
+}
+
 TEST_F(AsciiFramer, WhatStandsBeforeTheColonOrBehindTheLineFeedIsStray) {
   expect(kRead);
   EXPECT_EQ(add(std::string("0103\r\n") + std::string(kAnswer) + "xyz"), Verdict::response);

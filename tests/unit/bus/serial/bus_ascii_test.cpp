@@ -41,6 +41,17 @@ TEST_F(BusAscii, AsksAndIsAnswered) {
   text(kAsciiAnswer);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
   EXPECT_EQ(hex(read.transactions[0].response->bytes()), "03 02 12 34");
+  EXPECT_EQ(bus_->devices()[1].counters.noise_bytes, 0U);
+}
+
+TEST_F(BusAscii, BehindADamagedAnswerTheLineIsDrained) {
+  open(ascii());
+  submit(job(kRead));
+  advance(20ms);
+  text(":0103021234B5\r\n");
+  EXPECT_EQ(bus_->parts().line.state(now_), bus::LineState::draining);
+  advance(5ms);
+  EXPECT_EQ(bus_->parts().line.state(now_), bus::LineState::idle);
 }
 
 // Whoever it is for: the next request does not go into it.

@@ -109,5 +109,20 @@ TEST_F(BusBusyLine, SeveralStopsWaitForSilenceOnlyOnce) {
   EXPECT_THAT(frames_, SizeIs(2));
 }
 
+TEST_F(BusBusyLine, OnASlowLineTheLongestFrameIsNoNoise) {
+  auto slow = settings();
+  slow.line.baud = modbus::Baud{1200};
+  open(slow, {axis(slow)});
+  // 2816 bits, and a tenth more.
+  EXPECT_EQ(bus::longest_stream(slow), 2581333333ns);
+  EXPECT_EQ(bus::stop_deadline(slow), slow.stop_wait + 2581333333ns);
+  advance(1s);
+  for (int bytes = 0; bytes < 256; ++bytes) {
+    advance(9ms);
+    line("55");
+  }
+  EXPECT_EQ(never_silent_, 0U);
+}
+
 }  // namespace
 }  // namespace mbgate::test::bus_busy_line_test

@@ -53,6 +53,17 @@ TEST_F(BusPaced, WhereTheLineKeepsNoPaceItMayComeAtOnce) {
   EXPECT_THAT(endings_, ElementsAre(Ending::answered));
 }
 
+TEST_F(BusPaced, ThereItIsTimedByTheFirstByteBehindTheRequest) {
+  open_on(bus::LineKind::virtual_line);
+  submit(job(kRead));
+  advance(kEmission - 1ms);
+  line("01 03 02 12 34 B5");
+  advance(11ms);
+  line("33");
+  EXPECT_THAT(endings_, ElementsAre(Ending::answered));
+  EXPECT_GT(*bus_->devices()[1].times.device.lately().percentile(50), 8ms);
+}
+
 TEST_F(BusPaced, InAsciiItIsTheSame) {
   const std::string answer = ":0103021234B4\r\n";
   for (const auto& [after, is_answer] : {std::pair{7500us, false}, {7600us, true}}) {  // 7.58 ms

@@ -39,6 +39,22 @@ TEST_F(BusEcho, NorAStopWhichIsRepeatedAndTold) {
   EXPECT_THAT(notices_, testing::Contains(bus::DeviceNotice::Kind::stop_unanswered));
 }
 
+// It came while the repetition was sent, and may be the echo of either.
+TEST_F(BusEcho, WhatMayBeOneIsNoSilenceOfItsDevice) {
+  auto learning = settings();
+  learning.line.echo.reset();
+  learning.line.paced = true;
+  open(learning, {axis(learning)});
+  submit(job(kStop));
+  advance(kEmission + 103ms);
+  ASSERT_THAT(frames_, SizeIs(2));
+  EXPECT_EQ(bus_->devices()[1].health.unanswered_in_row(), 1U);
+  line(kStopFrame);
+  time_out();
+  EXPECT_THAT(frames_, SizeIs(3));
+  EXPECT_EQ(bus_->devices()[1].health.unanswered_in_row(), 1U);
+}
+
 // The adapter kept the echo of the try before. Behind its own, it looks like the answer.
 TEST_F(BusEcho, TheEchoOfAStopSentBeforeTheLineWasReopenedAcknowledgesNothing) {
   open_as(bus::LineKind::virtual_line, true, {axis(settings())});

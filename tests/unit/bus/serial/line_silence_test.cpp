@@ -68,6 +68,16 @@ TEST_F(LineSilenceTest, APauseInAFrameIsNoSilence) {
   EXPECT_EQ(silence_.busy_since(), at(46ms));
 }
 
+TEST_F(LineSilenceTest, ThatFrameDoesNotGoOnBehindAnOwnOneNorOnANewLine) {
+  silence_.note_bytes(at(10ms));
+  silence_.note_pause(true);
+  silence_.note_frame(8, at(1s));
+  EXPECT_EQ(silence_.ready_for_stop_at(), at(1s + kEightBytes + 2ms));
+  silence_.note_pause(true);
+  silence_.open(at(2s), at(2s));
+  EXPECT_EQ(silence_.ready_for_stop_at(), at(2002ms));
+}
+
 TEST_F(LineSilenceTest, WaitsForTheTurnaroundDelayOfABroadcastThoughTheLineIsReopened) {
   silence_.note_frame(8, at(1s));
   silence_.note_broadcast();

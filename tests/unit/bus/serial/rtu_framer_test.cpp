@@ -231,6 +231,13 @@ TEST_F(RtuFramer, SilenceSeparatesGarbageFromTheAnswer) {
   EXPECT_EQ(counters_.stray_bytes, 3U);
 }
 
+TEST_F(RtuFramer, SoDoesANewQuestion) {
+  expect(kRead);
+  EXPECT_EQ(add("FE FE FE FE FE FE FE FE FE"), Verdict::none);
+  expect(kRead);
+  EXPECT_EQ(add(kAnswer), Verdict::response);
+}
+
 TEST_F(RtuFramer, SurvivesABabblingLine) {
   expect(kRead);
   const std::vector<std::uint8_t> garbage(200, 0x55);

@@ -55,12 +55,39 @@ TEST_F(RtuNoise, IsSkippedByteByByteToo) {
 }
 
 TEST_F(RtuNoise, OfMoreThanSevenBytesIsNotSkipped) {
-  expect(kRead);
-  EXPECT_EQ(add("FE FE FE FE FE FE FE " + kAnswer), Verdict::response);
-  expect(kRead);
-  EXPECT_EQ(add("FE FE FE FE FE FE FE FE " + kAnswer), Verdict::none);
-  EXPECT_EQ(after(100ms), Verdict::none);
-  EXPECT_FALSE(framer_.in_progress());
+  struct Case {
+    const char* asked;  // of eight bytes, and of more
+    std::string answer;
+  };
+  for (const Case& it :
+       {Case{kRead, kAnswer}, Case{"10 001E 0001 02 0001", frame("01 10 001E 0001")}}) {
+    expect(it.asked);
+    EXPECT_EQ(add("FE FE FE FE FE FE FE " + it.answer), Verdict::response);
+    expect(it.asked);
+    EXPECT_EQ(add("FE FE FE FE FE FE FE FE " + it.answer), Verdict::none);
+    EXPECT_EQ(after(100ms), Verdict::none);
+    EXPECT_FALSE(framer_.in_progress());
+  }
+}
+
+TEST_F(RtuNoise, OfMoreThanSevenBytesIsNotSkippedBeforeAFrameThatNobodyWaitsForEither) {
+  for (const bool is_more : {false, true}) {
+    framer_.listen();
+    add("FE FE FE FE FE FE FE " + std::string(is_more ? "FE " : "") + kAnswer);
+    EXPECT_EQ(framer_.take_unsolicited().has_value(), !is_more);
+  }
+}
+
+// Nor where the end of a wait has cut the frame behind it.
+TEST_F(RtuNoise, NorBeforeOneThatWasCut) {
+  const std::string noise = "02 03 20 05 05 05 05";
+  for (const bool is_more : {false, true}) {
+    framer_.listen();
+    add(noise + (is_more ? " 05" : "") + " 01 03 04 00");
+    framer_.listen();
+    add("03 0D 40 0F 53");
+    EXPECT_EQ(framer_.take_unsolicited().has_value(), !is_more);
+  }
 }
 
 // A bit of it is wrong: it asked for two registers from 001A on, and this answers that.
@@ -78,6 +105,7 @@ TEST_F(RtuNoise, IsNotFollowedByAnEchoThatLooksLikeTheAnswer) {
   expect(kCoils, 4);
   EXPECT_EQ(add(std::string("FF 00 00 FF ") + kEcho), Verdict::none);
   EXPECT_FALSE(framer_.in_progress());
+  EXPECT_EQ(counters_.stray_bytes, 4U + 8U);
   EXPECT_EQ(add(frame("04 01 02 12 34")), Verdict::response);
   EXPECT_EQ(response(), "01 02 12 34");
   EXPECT_FALSE(framer_.take_unsolicited());

@@ -50,6 +50,18 @@ TEST_F(BusTcpClosing, SoIsOneOnWhichNothingWasAsked) {
   EXPECT_EQ(bus_->counters().losses, 0U);
 }
 
+// The close was read when the bus wanted to look.
+TEST_F(BusTcpClosing, TheNextOneIsLookedAtBeforeARequestToo) {
+  open(tcp());
+  advance(60s);
+  EXPECT_TRUE(bus_->submit(job(kRead), now_));
+  bus_->handle_lost(now_, bus::Loss::closed);
+  while (bus_->poll()) {
+  }
+  reopen();
+  EXPECT_THAT(frames_, SizeIs(1));
+}
+
 TEST_F(BusTcpClosing, OneOnWhichSomethingElseCameThanAnAnswerIsLost) {
   open(tcp());
   submit(job(kRead));

@@ -209,5 +209,20 @@ TEST_F(BusTcp, AnswersAfterALostConnectionAreNoLaterForIt) {
   EXPECT_EQ(bus_->counters().responses, 2U);
 }
 
+// On a connection there are no broadcasts, and unit 0 is as others are.
+TEST_F(BusTcp, ADriveAtUnitZeroIsAnotherWithAnotherName) {
+  drive::Device device{"axis", {}, 0, tcp().timing};
+  open(tcp(), {device});
+  bus::Job& read = job(kRead, 0);
+  read.transactions[0].broadcast.reset();
+  submit(read);
+  answer(0, "00 03 02 12 34");
+  EXPECT_EQ(bus_->devices()[0].health.state(), bus::DeviceState::answering);
+  device.name = "other";
+  update(tcp(), {device});
+  EXPECT_EQ(bus_->devices()[0].health.state(), bus::DeviceState::not_asked);
+  EXPECT_FALSE(bus_->diagnosis().quality()[0].has_answered());
+}
+
 }  // namespace
 }  // namespace mbgate::test

@@ -98,6 +98,9 @@ TEST_F(BusTcpSilence, WhatWasAskedBeforeTheLastByteDoesNotCount) {
   advance(2min);
   EXPECT_THAT(endings_, ElementsAre(Ending::answered, Ending::no_answer));
   EXPECT_THAT(replaced_, IsEmpty());
+  submit(job(kRead));
+  advance(30s);
+  EXPECT_THAT(replaced_, ElementsAre(true));
 }
 
 TEST_F(BusTcpSilence, ItIsKeptIfNobodyWantsItReplaced) {

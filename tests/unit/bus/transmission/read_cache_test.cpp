@@ -11,6 +11,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
+modbus::Request request(std::string_view pdu) {
+  return *modbus::Request::parse(*modbus::Pdu::from(unhex(pdu)));
+}
+
 drive::Transaction read_at(std::size_t address, std::string_view response = "03 02 12 34") {
   drive::Transaction asked(1, modbus::make_read({modbus::Table::holding_registers,
                                                  static_cast<std::uint16_t>(address), 1}));
@@ -36,6 +40,15 @@ TEST(ReadCache, ANewerResponseTakesThePlaceOfTheOneBefore) {
   const modbus::Pdu* found = cache.find(read_at(0), bus::Instant{} + 1s);
   ASSERT_NE(found, nullptr);
   EXPECT_EQ(*found, newer.response);
+}
+
+TEST(ReadCache, HoldsBitsAndRegistersAlone) {
+  for (const auto* held : {"01 0000 0001", "02 0000 0001", "03 0000 0001", "04 0000 0001"}) {
+    EXPECT_TRUE(bus::ReadCache::can_hold(request(held))) << held;
+  }
+  for (const auto* other : {"05 0000 FF00", "07", "18 0000"}) {
+    EXPECT_FALSE(bus::ReadCache::can_hold(request(other))) << other;
+  }
 }
 
 // A gateway with drives behind it, which the configuration takes for one device.

@@ -79,6 +79,16 @@ TEST(AccessInTheMachine, CommunicationIsDeniedByTheValuesThatChangeIt) {
   EXPECT_THAT(take_requests(rig), ElementsAre("01 06 00 32 00 01"));
 }
 
+TEST(AccessInTheMachine, AStopIsDeniedByItsRegister) {
+  AccessRule locked = rule(false, "locked");
+  locked.registers.spans = {{modbus::Table::holding_registers, 0x7C, 0x7C}};
+  MachineRig rig(plant_with({locked, rule(true, "")}));
+  rig.connect(1);
+  rig.receive(1, stop_request(2));
+  EXPECT_THAT(rig.take_sent(1), ElementsAre(kDenied));
+  EXPECT_THAT(take_requests(rig), IsEmpty());
+}
+
 TEST(AccessInTheMachine, AnAddressThatNoRulePermitsAnythingIsClosedBeforeAByteIsRead) {
   MachineRig rig(plant_with({rule_for("192.0.2.0/28")}));
   rig.connect(1, "192.0.2.1");

@@ -199,6 +199,9 @@ TEST_F(BroadcastOfAutonics, ReachesNoUnitAndNoDeviceThatIsDenied) {
   AccessRule unit = rule(false, "unit 2");
   unit.units.emplace().set(2);
   EXPECT_THAT(asked_with(unit), ElementsAre(kRefused));
+  AccessRule all = rule(false, "unit 0");
+  all.units.emplace().set(0);
+  EXPECT_THAT(asked_with(all), ElementsAre(kRefused));
   AccessRule device = rule(false, "axis-y");
   device.devices = {1};
   EXPECT_THAT(asked_with(device), ElementsAre(kRefused));

@@ -62,6 +62,7 @@ TEST_F(IntakeAlone, OfAClientThatLeavesOnlyStopsAreTaken) {
   ASSERT_NE(stop, nullptr);
   EXPECT_EQ(stop->adu.header.transaction, 2);
   EXPECT_EQ(intake_.take_stop(session_, Instant{1s}), nullptr);
+  EXPECT_EQ(intake_.counters().requests, 1U);
 }
 
 TEST_F(IntakeAlone, EndsWhereFramingIsLost) {

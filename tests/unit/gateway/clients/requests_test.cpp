@@ -163,6 +163,24 @@ TEST(Gateway, RewritesAddressesThroughAWindowAndBack) {
   EXPECT_THAT(rig.take_transmitted(), IsEmpty());
 }
 
+// One transaction for each register.
+TEST(Gateway, TakesRequestsOfAConnectionWhileFewerThan256OfTheirTransactionsAreOpen) {
+  Settings settings = one_bus();
+  drive::Device& device = settings.devices.emplace_back();
+  device.name = "axis-x";
+  device.timing = settings.buses[0].timing;
+  device.profile.limits.read[2] = 1;
+  settings.routes[0].last_unit = 1;
+  settings.routes[0].device = 0;
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "0001 0000 0006 01 03 0000 007D 0002 0000 0006 01 03 0000 007D");
+  rig.receive(1, "0003 0000 0006 01 03 0000 0005 0004 0000 0006 01 03 0000 0001");
+  EXPECT_THAT(rig.take_sent(1), IsEmpty());
+  rig.receive(1, "0005 0000 0006 01 03 0000 0001");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 05 00 00 00 03 01 83 06"));
+}
+
 TEST(Gateway, RestartAndListenOnlyAreAllowedEachByItself) {
   constexpr auto kRestart = "0001 0000 0006 01 08 0001 0000";
   constexpr auto kListenOnly = "0001 0000 0006 01 08 0004 0000";

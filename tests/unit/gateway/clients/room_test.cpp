@@ -50,6 +50,8 @@ TEST_F(Room, AClientWithOneConnectionKeepsItBesideOneWithMany) {
   EXPECT_THAT(rig_->closed, ElementsAre(2, 3, 4, 5, 6, 7, 8));
   come(12, kScreen);
   EXPECT_THAT(rig_->closed, ElementsAre(2, 3, 4, 5, 6, 7, 8, 9));
+  const auto status = rig_->harness.gateway().report_status(0s, rig_->now());
+  EXPECT_EQ(status.listeners[0].counters.displaced_full, 8U);
   EXPECT_EQ(
       rig_->events.back(),
       "listener plant: client 192.0.2.3 closed for a newcomer: max_connections (4) is reached, "

@@ -66,6 +66,10 @@ TEST_F(ConnectionsAlone, AreLookedAtWhenTheirTimeHasCome) {
   EXPECT_EQ(sessions().take_due(Instant{11s}), &session);
   EXPECT_EQ(session.overdue(Instant{11s}), ClientSession::Overdue::idle);
   EXPECT_EQ(sessions().next_look(), std::nullopt);
+  ClientSession& closed = come(2, "192.0.2.2", Instant{20s});
+  EXPECT_EQ(sessions().next_look(), Instant{30s});
+  sessions().close(closed);
+  EXPECT_EQ(sessions().next_look(), std::nullopt);
 }
 
 }  // namespace

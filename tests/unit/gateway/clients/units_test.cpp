@@ -91,6 +91,7 @@ TEST(UnitWithoutARoute, IsJournaledWithRanges) {
     return rig.events.empty() ? "" : rig.events.front().substr(rig.events.front().find(';'));
   };
   EXPECT_EQ(line({{1, 32}}), "; routed are 1-32");
+  EXPECT_EQ(line({{0, 0}, {7, 7}}), "; routed are 0, 7");
   EXPECT_EQ(line({{1, 32}, {40, 41}, {42, 42}, {247, 247}}), "; routed are 1-32, 40-42, 247");
   EXPECT_EQ(line({}), "; no unit is routed");
   std::vector<std::pair<unsigned, unsigned>> every_second;

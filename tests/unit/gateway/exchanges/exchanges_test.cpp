@@ -41,6 +41,32 @@ TEST_F(ExchangesAlone, AreCompletedWhenAllTheirJobsHaveEnded) {
   EXPECT_EQ(exchanges_.open_count(), 0U);
 }
 
+TEST_F(ExchangesAlone, CountTheTransactionsOfThoseThatAreOpen) {
+  const std::uint32_t index = ask("03 00 00 00 01");
+  ask("06 00 00 00 02");
+  EXPECT_EQ(exchanges_.planned(), 2U);
+  exchanges_.cancel(index);
+  exchanges_.close(*exchanges_.take_completed());
+  EXPECT_EQ(exchanges_.planned(), 1U);
+}
+
+TEST_F(ExchangesAlone, OfAnOfflineDeviceAReadGets0BAndAWriteThatItWasNotTransmitted) {
+  struct Case {
+    const char* asked;
+    modbus::ExceptionCode code;
+  };
+  using enum modbus::ExceptionCode;
+  for (const Case& it : {Case{"03 00 00 00 01", gateway_target_failed_to_respond},
+                         Case{"06 00 00 00 02", server_device_busy}}) {
+    const std::uint32_t index = ask(it.asked);
+    bus::Job& job = *exchanges_[index].parts.front().job;
+    buses_.touch(BusId{0}).withdraw(job);
+    exchanges_.end(job, bus::Ending::offline);
+    EXPECT_EQ(exchanges_[index].result()->bytes()[1], static_cast<std::uint8_t>(it.code));
+    exchanges_.close(*exchanges_.take_completed());
+  }
+}
+
 TEST_F(ExchangesAlone, KeepTheSettingsTheyBeganWith) {
   const std::uint32_t index = ask("03 00 00 00 01");
   const gateway::SettingsSnapshot* const before = exchanges_[index].snapshot;

@@ -49,6 +49,19 @@ TEST(ReloadMemory, ABroadcastThatWaitsIsNotSentToADeviceThatIsAnotherNow) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre(busy(2, 0)));
 }
 
+TEST(ReloadMemory, NorIsOneOfWhichAPartWasRead) {
+  Settings settings = stop_plant();
+  settings.routes.emplace_back().buses = {BusId{0}};  // unit 0
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, "00 01 00 00 00 06 00 06 00");
+  rig.advance(1ms);
+  settings.devices[1].word_order = drive::WordOrder::big;
+  rig.reload(settings);
+  rig.receive(1, "00 00 01");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre(busy(1, 0)));
+}
+
 /// The bus gets another name, and keeps its port. A read that is asked for then is not sent within
 /// `wait`, but is `rest` later.
 void expect_wait(MachineRig& rig, Settings settings, bus::Duration wait, bus::Duration rest) {
@@ -250,15 +263,15 @@ TEST(ReloadMemory, NorIsAStopThatIsReadAfterAStallOlderThanItsConnection) {
 }
 
 // Nor did it stand still during the reload.
-TEST(ReloadMemory, NorIsItOlderThanAReloadBeforeTheStall) {
+TEST(ReloadMemory, NorIsAWriteOlderThanAReloadBeforeTheStall) {
   MachineRig rig(stop_plant());
   rig.connect(1);
   rig.advance(1s);
   rig.reload(moved(stop_plant()));
   rig.advance(600ms);
   rig.harness.handle(gateway::Stalled{700ms});
-  rig.receive(1, stop_request(1));
-  EXPECT_THAT(take_requests(rig), ElementsAre(kStop2));
+  rig.receive(1, write_request(1));
+  EXPECT_THAT(take_requests(rig), ElementsAre(kWrite2));
 }
 
 TEST(ReloadMemory, ClientsThatAreThereHaveTheirNewWeights) {

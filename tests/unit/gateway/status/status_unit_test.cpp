@@ -23,6 +23,8 @@ TEST(StatusUnit, IdentifiesItself) {
   rig.receive(1,
               "0009 0000 0005 FF 2B 0E 01 04");  // not among the basic objects: from the first on
   EXPECT_THAT(rig.take_sent(1), ElementsAre(testing::HasSubstr("FF 2B 0E 01 82 00 00 03 00 06")));
+  rig.receive(1, "000C 0000 0005 FF 2B 0E 02 00");  // the regular ones too
+  EXPECT_THAT(rig.take_sent(1), ElementsAre(testing::HasSubstr("FF 2B 0E 02 82 00 00 04 00 06")));
   // one object alone, "mbgated"; and those from it on
   rig.receive(1, "000A 0000 0005 FF 2B 0E 04 01");
   EXPECT_THAT(rig.take_sent(1), ElementsAre(testing::EndsWith("FF 2B 0E 04 82 00 00 01 01 07 "
@@ -97,15 +99,19 @@ TEST(StatusUnit, TellsTheJournalWhoReadsAnotherTableOfIt) {
           "4)"));
 }
 
-TEST(StatusUnit, ShowsEachBusBehindTheOneBefore) {
+TEST(StatusUnit, ShowsEachBusAndDeviceBehindTheOneBefore) {
   Settings settings = one_bus();
   settings.buses.push_back(settings.buses[0]);
   settings.buses[1].name = "line-b";
   settings.buses[1].line.device = "/dev/ttyS1";
+  settings.devices = {{"axis", BusId{0}, 1, settings.buses[0].timing},
+                      {"other", BusId{1}, 1, settings.buses[1].timing}};
   MachineRig rig(settings);
   rig.connect(1);
   rig.receive(1, "0001 0000 0006 FF 04 0427 0002");  // the last register of bus 0; bus 1: open
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 07 FF 04 04 00 00 00 01"));
+  rig.receive(1, "0002 0000 0006 FF 04 272F 0002");  // of device 0; device 1: its bus
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 07 FF 04 04 00 00 00 02"));
 }
 
 TEST(StatusUnit, ShowsDevicesThatDoNotAnswer) {
@@ -141,6 +147,17 @@ TEST(StatusUnit, CountsAndClears) {
                                             "00 04 00 00 00 06 FF 08 00 0D 00 00"));
   rig.receive(1, "0005 0000 0006 FF 06 0000 0001");
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 05 00 00 00 03 FF 86 01"));
+}
+
+TEST(StatusUnit, HasNoDiagnosticRegisterAndCountsNoNakAndNoOverrun) {
+  MachineRig rig;
+  rig.connect(1);
+  rig.receive(1,
+              "0001 0000 0006 FF 08 0002 0000 0002 0000 0006 FF 08 0010 0000 "
+              "0003 0000 0006 FF 08 0012 0000");
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 01 00 00 00 06 FF 08 00 02 00 00",
+                                            "00 02 00 00 00 06 FF 08 00 10 00 00",
+                                            "00 03 00 00 00 06 FF 08 00 12 00 00"));
 }
 
 // As an operator asks for it: the same as by 08/10, and no device is in another state after it.

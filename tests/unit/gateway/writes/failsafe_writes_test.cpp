@@ -209,5 +209,37 @@ TEST_F(FailsafeOnExit, SaysWhatWasNotAcknowledged) {
   EXPECT_TRUE(rig_.finished);
 }
 
+TEST(FailsafeWritesOfOne, AreSentAtOnceBesideADeviceThatNeedsNone) {
+  Settings settings = watched_plant();
+  settings.guards.resize(2);
+  settings.guards[1] = settings.guards[0];
+  MachineRig rig(settings);
+  rig.connect(1);
+  write(rig, 1);
+  rig.disconnect(1);
+  rig.advance(kGrace);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
+}
+
+// What it asks the other drive leaves it nothing for this one.
+TEST(FailsafeWritesOfOne, AreNotSentWhereItsClientAsksThoughItGets06) {
+  Settings settings = watched_plant();
+  settings.guards[0].quiet = 3s;
+  settings.listeners[0].max_requests_per_second = 1;
+  MachineRig rig(settings);
+  rig.connect(1);
+  write(rig, 1);
+  rig.advance(2900ms);
+  rig.receive(1, read_request(1, 2) + read_request(2, 1));
+  EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 03 01 83 06"));
+  rig.advance(5ms);
+  rig.respond("02 03 02 00 01");
+  take_requests(rig);
+  rig.advance(2900ms);
+  EXPECT_THAT(take_requests(rig), IsEmpty());
+  rig.advance(100ms);
+  EXPECT_THAT(take_requests(rig), ElementsAre(kStop1));
+}
+
 }  // namespace
 }  // namespace mbgate::test
