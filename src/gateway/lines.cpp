@@ -88,15 +88,18 @@ void Lines::adopt(const Settings& before, const Settings& next, Instant now) {
     // where a refused stop may wait for its next try. Nobody needs its news any more.
     given_up.bus->handle_lost(now);
     given_up.bus->give_up(now);
-    // The drives are the same ones if only the settings of their line have changed: stops go on.
+    // The drives are the same ones if only the name of the bus, or the settings of its line, have
+    // changed: stops go on.
     const bus::LineSettings& line = before.bus(given_up.id).line;
-    const bool has_drives =
-        !next.bus(given_up.id).is_gone && line.has_end_of(next.bus(given_up.id).line);
+    const auto same = std::ranges::find_if(
+        next.buses, [&](const BusSettings& it) { return !it.is_gone && line.has_end_of(it.line); });
+    const bool has_drives = same != next.buses.end();
+    const auto place = static_cast<std::uint32_t>(same - next.buses.begin());
     line_actions_.push(Shut{given_up.id});
     while (const auto action = given_up.bus->poll()) {
       const auto* const ended = std::get_if<bus::JobEnded>(&*action);
       if (ended != nullptr &&
-          !(has_drives && exchanges_.begin_anew(*ended->job, given_up.id, now))) {
+          !(has_drives && exchanges_.begin_anew(*ended->job, BusId{place}, now))) {
         exchanges_.end(*ended->job, ended->ending);
       }
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "routing/plan.hpp"
 
+#include <algorithm>
 #include <boost/container/static_vector.hpp>
 
 #include "modbus/frames.hpp"
@@ -143,7 +144,7 @@ std::optional<ExceptionCode> Plan::add_broadcast(const ResolvedRoute& resolved,
   reply_.form = Reply::Form::echo;
   for (const Transaction& frame : *frames) {
     if (transactions_.empty() || transactions_.back().bus != frame.bus) {
-      add_questions(resolved, frame.bus, request);
+      add_questions(resolved, *frames, frame.bus, request);
     }
     transactions_.push_back(frame);
   }
@@ -161,10 +162,14 @@ void Plan::add_question(const drive::Device& device) {
   transactions_.push_back(std::move(question));
 }
 
-void Plan::add_questions(const ResolvedRoute& resolved, BusId bus, const Request& request) {
+void Plan::add_questions(const ResolvedRoute& resolved, std::span<const Transaction> frames,
+                         BusId bus, const Request& request) {
   for (const BusDevices& known : resolved.devices_of_buses) {
     for (const drive::Device* device : known.devices) {
-      if (known.bus == bus && device->verify_word_order && resolved.route.word_order &&
+      const bool hears = std::ranges::any_of(frames, [&](const Transaction& it) {
+        return it.bus == bus && device->is_addressed_by(it.address, it.broadcast);
+      });
+      if (known.bus == bus && hears && device->verify_word_order && resolved.route.word_order &&
           device->writes_value(request)) {
         add_question(*device);
       }

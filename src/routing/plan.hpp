@@ -78,7 +78,8 @@ class Plan {
   std::optional<modbus::ExceptionCode> add_broadcast(const ResolvedRoute& resolved,
                                                      const modbus::Request& request);
   void add_question(const drive::Device& device);
-  void add_questions(const ResolvedRoute& resolved, BusId bus, const modbus::Request& request);
+  void add_questions(const ResolvedRoute& resolved, std::span<const drive::Transaction> frames,
+                     BusId bus, const modbus::Request& request);
   std::optional<modbus::ExceptionCode> add_requests(const ResolvedRoute& resolved,
                                                     std::uint8_t address,
                                                     const modbus::Request& request);

@@ -188,10 +188,15 @@ Wake ready_at(const Parts& parts, const Job& job) {
   return {at, held < at};
 }
 
+// What is offline does not hear a broadcast, and is not asked before it.
 std::size_t next_transaction(const Parts& parts, const Job& job) {
+  const auto is_needless = [&](const Transaction& question) {
+    const DeviceEntry& entry = parts.devices[question.address];
+    return job.is_stop() || entry.setting_known ||
+           (job.is_broadcast() && entry.health.is_offline());
+  };
   std::size_t next = job.current;
-  while (job.transactions[next].must_hold != nullptr &&
-         (job.is_stop() || parts.devices[job.transactions[next].address].setting_known)) {
+  while (job.transactions[next].must_hold != nullptr && is_needless(job.transactions[next])) {
     ++next;
   }
   return next;

@@ -151,7 +151,7 @@ void Outcomes::handle_response(Job& job, const LineEnd& end, Instant now) {
   }
   const Transaction& own = job.transaction();
   if (own.must_hold != nullptr && !holds_what_it_must(own)) {
-    ends_.finish(job, Ending::mismatched);
+    ends_.finish(job, is_passing(response) ? Ending::no_answer : Ending::mismatched);
     return;
   }
   if (exception && !(job.is_stop() && entry.device->has_accepted(response))) {

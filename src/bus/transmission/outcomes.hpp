@@ -17,6 +17,9 @@
 
 namespace mbgate::bus {
 
+/// An exception that says "not now": 05, 06, 0A or 0B.
+[[nodiscard]] bool is_passing(const modbus::Pdu& response);
+
 class Outcomes {
  public:
   Outcomes(Parts& parts, JobEnds& ends, LineDiagnosis& diagnosis)

@@ -9,13 +9,6 @@
 namespace mbgate::bus {
 namespace {
 
-// 05, 06, 0A, 0B.
-constexpr std::array kPassingExceptions = {
-    static_cast<std::uint8_t>(modbus::ExceptionCode::acknowledge),
-    static_cast<std::uint8_t>(modbus::ExceptionCode::server_device_busy),
-    static_cast<std::uint8_t>(modbus::ExceptionCode::gateway_path_unavailable),
-    static_cast<std::uint8_t>(modbus::ExceptionCode::gateway_target_failed_to_respond)};
-
 // At an address that no [[device]] has, and that was never heard, there may be nobody.
 unsigned offline_after(const DeviceEntry& entry) {
   const unsigned usual = entry.in_force().offline_after;
@@ -27,6 +20,15 @@ bool may_be_tried_again(const Job& stop, const DeviceEntry& entry) {
 }
 
 }  // namespace
+
+bool is_passing(const modbus::Pdu& response) {
+  using Code = modbus::ExceptionCode;
+  constexpr std::array kPassing = {Code::acknowledge, Code::server_device_busy,
+                                   Code::gateway_path_unavailable,
+                                   Code::gateway_target_failed_to_respond};
+  return response.is_exception() &&
+         std::ranges::count(kPassing, static_cast<Code>(response.bytes()[1])) > 0;
+}
 
 // Nothing came from the device; what is owed on a connection holds nothing.
 void Outcomes::note_unreached(Job& job, Instant now) {
@@ -85,8 +87,7 @@ bool Outcomes::repeat_refused(Job& stop, Instant now) {
   Transaction& sent = stop.transaction();
   DeviceEntry& entry = parts_.devices[sent.address];
   const std::uint8_t exception = sent.response->bytes()[1];
-  const bool may_repeat = std::ranges::count(kPassingExceptions, exception) > 0;
-  if (may_repeat && may_be_tried_again(stop, entry)) {
+  if (is_passing(*sent.response) && may_be_tried_again(stop, entry)) {
     const Instant again_at = now + parts_.settings.stop_wait;
     sent.response.reset();
     entry.free_at = std::max(entry.free_at, again_at);

@@ -38,6 +38,11 @@ struct Request {
   bool is_stop = false;
   RuleVerdict verdict{};
 
+  /// How old it is, for its deadline. A stop that waited through a start is as old as a read.
+  [[nodiscard]] Instant asked_at() const {
+    const bool waited_through_start = is_stop && arrival == Instant::min();
+    return modbus::is_read(adu.pdu.bytes()) || waited_through_start ? read_at : arrival;
+  }
   [[nodiscard]] WriteOrigin origin(const ClientSession& session) const {
     return {session.id(), session.info(), session.key(), arrival};
   }

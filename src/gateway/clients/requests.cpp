@@ -83,8 +83,8 @@ void Requests::answer_at_once(ClientSession& session, const Request& request,
     asked.answered_at = now;
     trace_.refused(std::move(asked));
   }
-  send(session, session.answers.open(), answer_of(session, adu, request.read_at, request.is_stop),
-       now);
+  send(session, session.answers.open(),
+       answer_of(session, adu, request.asked_at(), request.is_stop), now);
 }
 
 void Requests::begin(ClientSession& session, Request& request, Instant now) {
@@ -106,9 +106,7 @@ void Requests::begin(ClientSession& session, Request& request, Instant now) {
     session.exchanges.push_back(index);
     exchange.answer = session.answers.open();
   }
-  const bool waited_through_start = request.is_stop && request.arrival == Instant::min();
-  exchange.arrival =
-      exchange.plan->is_read() || waited_through_start ? request.read_at : request.arrival;
+  exchange.arrival = request.asked_at();
   exchange.deadline = exchanges_.deadline_of(exchange);
   exchange.is_stop = request.is_stop;
   exchange.sequence = rules_.note_accepted(*exchange.plan, origin, now);
@@ -258,31 +256,32 @@ void Requests::clear_counters() {
 
 void Requests::complete(std::uint32_t index, Instant now) {
   const Exchange& exchange = exchanges_[index];
+  ClientSession* session = exchange.client_gone ? nullptr : sessions_.find(exchange.client);
+  MBGATE_ASSERT(session != nullptr || exchange.client_gone,
+                "a request knows whether its client is there");
+  const auto adu = session == nullptr ? std::nullopt : adu_of(exchange);
+  const auto answer =
+      adu && !exchange.is_replaced
+          ? std::optional(answer_of(*session, *adu, exchange.arrival, exchange.is_stop))
+          : std::nullopt;
+  const bool is_in_time = answer && now <= answer->until;
   if (trace_.is_on()) {
-    const auto adu = exchange.client_gone ? std::nullopt : adu_of(exchange);
-    trace_.answered(index, {adu, exchange.ended_as, now});
+    trace_.answered(index, {is_in_time ? adu : std::nullopt, exchange.ended_as, now});
   }
-  if (!exchange.client_gone) {
-    ClientSession* session = sessions_.find(exchange.client);
-    MBGATE_ASSERT(session != nullptr, "a request knows whether its client is there");
-    session->exchanges.erase(std::ranges::find(session->exchanges, index));
-    session->held.erase(std::ranges::remove(session->held, index).begin(), session->held.end());
-    const auto adu = adu_of(exchange);
-    ListenerCounters& counters = sessions_.counters(exchange.listener);
-    if (exchange.failed) {
-      ++session->refused;
-      counters.note_refused(exchange.plan->is_read(), code_of(adu->pdu), now);
-    }
-    std::optional<DueAnswers::Answer> answer;
-    if (adu && !exchange.is_replaced) {
-      answer = answer_of(*session, *adu, exchange.arrival, exchange.is_stop);
-    }
-    if (!exchange.failed) {
-      counters.recent.note_ended(!adu || (answer && now <= answer->until), now);
-    }
-    send(*session, exchange.answer, answer, now);
-    start_held(*session, now);
+  if (session == nullptr) {
+    return;
   }
+  session->exchanges.erase(std::ranges::find(session->exchanges, index));
+  session->held.erase(std::ranges::remove(session->held, index).begin(), session->held.end());
+  ListenerCounters& counters = sessions_.counters(exchange.listener);
+  if (exchange.failed) {
+    ++session->refused;
+    counters.note_refused(exchange.plan->is_read(), code_of(adu->pdu), now);
+  } else {
+    counters.recent.note_ended(!adu || is_in_time, now);
+  }
+  send(*session, exchange.answer, answer, now);
+  start_held(*session, now);
 }
 
 void Requests::send(ClientSession& session, AnswerId id,

@@ -78,6 +78,7 @@ bool Exchanges::begin_anew(bus::Job& job, BusId bus, Instant now) {
   if (job.job_class != bus::JobClass::stop || job.abandoned || !exchanges_[job.owner].plan) {
     return false;
   }
+  std::ranges::find(exchanges_[job.owner].parts, &job, &Exchange::Part::job)->bus = bus;
   job.current = 0;
   job.accepted = false;
   for (bus::Transaction& transaction : job.transactions) {

@@ -83,6 +83,7 @@ void FailsafeWrites::client_asked(const ClientSession& client, const routing::Pl
     if (writes) {
       watch.active = watch.writer ? watch.active : now;  // no silence of before counts
       watch.writer = client.key();
+      watch.is_written_to = true;
     }
     if (guard(device).quiet > Duration{0}) {
       earliest_ = bus::earlier(earliest_, now + guard(device).quiet);
@@ -150,6 +151,7 @@ bool FailsafeWrites::act(std::size_t device, Watch& watch, Instant now) {
 
 void FailsafeWrites::begin(std::size_t device, Watch& watch, FailsafeReason reason) {
   watch.due = reason;
+  watch.is_written_to = false;
   watch.again = Instant::min();
   watch.writes.assign(guard(device).failsafe.size(), {});
 }
@@ -203,6 +205,7 @@ void FailsafeWrites::end_run(std::size_t place, Watch& watch) {
     report(device, watch, FailsafeOutcome::acknowledged);
     Watch fresh;
     fresh.connections = std::move(watch.connections);
+    fresh.writer = watch.is_written_to ? watch.writer : std::nullopt;
     watch = std::move(fresh);
   } else if (stopping_) {
     report(device, watch, FailsafeOutcome::given_up);

@@ -52,6 +52,7 @@ class FailsafeWrites {
     std::map<ClientId, const ClientSession*> connections;  ///< that have asked the device
     /// Who wrote last; nothing: nobody since the failsafe writes were acknowledged.
     std::optional<ClientKey> writer;
+    bool is_written_to = false;        ///< since they were begun, by a client that does not count
     Instant active = Instant::min();   ///< when one that counts asked, or was answered
     std::optional<Instant> gone_at{};  ///< the last such connection ended; nobody asked since
     std::optional<FailsafeReason> due{};

@@ -44,6 +44,14 @@ TEST(GiveUp, NoAnswerGoesOutAfterIt) {
   EXPECT_THAT(rig.take_sent(1), ElementsAre("00 02 00 00 00 05 01 03 02 00 01"));
 }
 
+TEST(GiveUp, NoRefusalOfAWriteGoesOutAfterItThoughTheProcessStoodStill) {
+  MachineRig rig(impatient_plant());
+  rig.connect(1);
+  rig.stall(60ms);
+  rig.receive(1, write_request(1, 250));
+  EXPECT_THAT(rig.take_sent(1), IsEmpty());
+}
+
 TEST(GiveUp, NoAnswerGoesOutAfterItThatWaitedForTheOneBefore) {
   Settings settings = impatient_plant();
   settings.listeners[0].ordered = true;

@@ -95,5 +95,20 @@ TEST(ReloadOfLines, RepeatsAStopAtAnotherRateButNotOnAnotherPort) {
   }
 }
 
+TEST(ReloadOfLines, GoesOnWithAStopOfABusThatGetsAnotherName) {
+  Settings settings = stop_plant();
+  MachineRig rig(settings);
+  rig.connect(1);
+  rig.receive(1, stop_request(1));
+  EXPECT_EQ(take_requests(rig), Lines{kStop1});
+  settings.buses[0].name = "line";
+  rig.reload(settings);
+  rig.open_line(1);
+  rig.advance(10ms);
+  EXPECT_EQ(take_requests(rig, 1), Lines{kStop1});
+  rig.respond(kStop1, 1);
+  EXPECT_THAT(rig.take_sent(1), testing::Contains(written(1, 1, true)));
+}
+
 }  // namespace
 }  // namespace mbgate::test

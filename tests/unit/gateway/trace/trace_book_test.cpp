@@ -49,6 +49,21 @@ TEST_F(Trace, HasBothSidesOfARequest) {
   EXPECT_FALSE(record.is_failed());
 }
 
+TEST(TraceOfImpatientClients, HasNoAnswerThatTheyDidNotGet) {
+  Settings settings = one_axis();
+  settings.listeners[0].give_up = 50ms;
+  MachineRig rig(settings);
+  rig.harness.gateway().set_traced(true);
+  rig.connect(1);
+  rig.receive(1, read_request(7));
+  rig.advance(60ms);
+  rig.respond("01 03 02 12 34");
+  const auto taken = rig.harness.gateway().take_trace(rig.now());
+  ASSERT_EQ(taken.records.size(), 1U);
+  EXPECT_FALSE(taken.records[0].asked->answer);
+  EXPECT_EQ(taken.records[0].ended_as, bus::Ending::answered);
+}
+
 TEST_F(Trace, HasEveryTryAndWhatWasHeardOfIt) {
   rig_.receive(1, read_request(7));
   rig_.advance(20ms);

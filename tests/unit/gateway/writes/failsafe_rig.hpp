@@ -9,6 +9,7 @@
 namespace mbgate::test {
 
 inline constexpr auto kPlc = "192.0.2.1";
+inline constexpr auto kPanel = "192.0.2.2";
 
 class FailsafeCauses : public testing::Test {
  protected:

@@ -161,6 +161,7 @@ TEST_F(OneDevice, AStopThatWasRefusedEndsWithItsLine) {
   rig_.close_line();
   Settings settings = server();
   settings.buses[0].name = "line-b";
+  settings.buses[0].line.remote = bus::Endpoint{"elsewhere", 502};
   rig_.reload(settings);
   EXPECT_THAT(rig_.take_sent(1), ElementsAre("00 01 00 00 00 03 0B 86 0B"));
   rig_.shutdown();
