@@ -197,6 +197,10 @@ bool Service::change(const Configuration& read) {
   const std::string digest_before = std::exchange(digest_, read.digest);
   say_of_reload(Level::info, in_force_text(digest_, digest_before),
                 message_id::kConfigurationDigest);
+  if (const auto room = io::room_for_clients(next, io::raise_descriptor_limit(), http_.inherited());
+      room.shortage) {
+    say_of_reload(Level::warning, *room.shortage, message_id::kTooFewDescriptors);
+  }
   if (before.lock_memory != next.lock_memory) {
     say_of_reload(Level::warning, "reload: lock_memory takes effect at the next start",
                   message_id::kConfigurationNextStart);

@@ -104,6 +104,9 @@ TEST(Start, SaysThatTheDescriptorsDoNotSuffice) {
   Process gateway("mbgated", {"--config", config.string()}, {folder.path(), limit_descriptors});
   gateway.wait_for_line("listening plant");
   EXPECT_THAT(gateway.output(), testing::HasSubstr(shortage));
+  folder.write("mbgate.toml", listener_text("plant", "port = 0\nmax_connections = 401") + kLineA);
+  gateway.signal(SIGHUP);
+  gateway.wait_for_line("warning: max_connections of all listeners together is 401");
 }
 
 // Clients without end must not keep a line from being opened again.
