@@ -73,10 +73,24 @@ void read_access(Draft& draft, TomlTable& table, ListenerSettings& listener) {
 void read_transparent(Draft& draft, TomlTable& table, ListenerSettings& listener) {
   const bool transparent = table.has("bus");
   if (const auto bus = find_named(table, "bus", draft.settings.buses)) {
+/// The gateway answers its own unit itself, and here every device has its address as unit.
+void check_own_unit(const Draft& draft, TomlTable& table, drive::BusId bus) {
+  for (const auto& device : draft.settings.devices) {
+    if (device.bus == bus && device.address == draft.settings.status_unit &&
+        !device.has_every_unit) {
+      table.error("bus",
+                  "unit {} is the gateway itself ([gateway] unit): device {} could not be reached; "
+                  "give [gateway] unit a number that no device of this bus has, or false",
+                  device.address, in_quotes(device.name));
+    }
+  }
+}
+
     listener.bus = drive::BusId{static_cast<std::uint32_t>(*bus)};
   } else if (transparent) {
     listener.bus = drive::BusId{~0U};  // stays transparent, of no bus
   }
+    check_own_unit(draft, table, *listener.bus);
   assign(listener.broadcast_reply,
          table.word<BroadcastReply>("broadcast_reply", kBroadcastReplies));
   assign(listener.broadcast_mixed, table.boolean("broadcast_mixed"));

@@ -129,7 +129,8 @@ TEST_F(Drives, HearBroadcastsOnSerialLinesOnly) {
 }
 
 std::string server_with(const std::string& keys, const std::string& address) {
-  return "[[listen]]\nname = \"plant\"\naddress = \"127.0.0.1\"\nport = 0\nbus = \"cell\"\n"
+  return "[gateway]\nunit = 1\n[[listen]]\nname = \"plant\"\naddress = \"127.0.0.1\"\nport = 0\n"
+         "bus = \"cell\"\n"
          "[[bus]]\nname = \"cell\"\nmode = \"tcp\"\nhost = \"192.168.10.20\"\n" +
          keys + "\n[[device]]\nname = \"axis\"\nbus = \"cell\"\n" + address + "\n";
 }
