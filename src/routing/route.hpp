@@ -40,12 +40,14 @@ struct AddressWindow {
 /// The function codes that a route lets through. 08/01 and 08/04, and on ASCII lines 08/03, silence
 /// a device and pass only where they are named (Application Protocol V1.1b3, 6.8.1).
 struct FunctionRules {
-  std::bitset<128> allowed;
+  std::bitset<128> allowed;             ///< 8: without the three below, which pass by themselves
   bool restart_communications = false;  ///< 08/01
   bool force_listen_only = false;       ///< 08/04
   /// 08/03: on an ASCII line another end of a frame would silence the device.
-  bool change_delimiter = true;
-  /// Functions 1 to 127.
+  bool change_delimiter = false;
+  /// The function codes of which anything passes.
+  [[nodiscard]] std::bitset<128> codes() const;
+  /// Functions 1 to 127, and 08/03.
   static FunctionRules all();
   /// Those whose addresses a window can rewrite: 01-06, 15, 16, 22, 23, 24.
   static FunctionRules rewritable();

@@ -199,7 +199,7 @@ bool leads_there(const Settings& settings, const AccessRule& rule, const Listene
 bool leads_there(const Settings& settings, const AccessRule& rule, const Route& route,
                  unsigned unit) {
   if (unit < route.first_unit || unit > route.last_unit ||
-      (rule.functions && (*rule.functions & route.functions.allowed).none())) {
+      (rule.functions && (*rule.functions & route.functions.codes()).none())) {
     return false;
   }
   const auto address =

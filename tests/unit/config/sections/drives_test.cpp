@@ -164,6 +164,10 @@ TEST(Routes, ToAsciiLinesNameWhatSetsAnotherDelimiter) {
   };
   EXPECT_TRUE(passes("rtu", ""));
   EXPECT_TRUE(passes("rtu", "functions = [8]"));
+  EXPECT_TRUE(passes("rtu", "functions = [3, \"8/3\"]"));
+  EXPECT_FALSE(passes("rtu", "functions = [3]"));
+  EXPECT_FALSE(
+      passes("rtu", "[[route.registers]]\ntable = \"coils\"\nfrom = 0\ncount = 1\nto = 0"));
   EXPECT_FALSE(passes("ascii", ""));
   EXPECT_FALSE(passes("ascii", "functions = [8]"));
   EXPECT_TRUE(passes("ascii", "functions = [3, \"8/3\"]"));
