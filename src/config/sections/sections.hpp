@@ -149,7 +149,10 @@ void check_broadcast_mixed(Draft& draft, TomlTable& table, std::string_view key,
 /// Windows, word orders and broadcasts of routes against the devices that they reach.
 void check_routes(Draft& draft);
 
-/// Deadlines of routes against the times of the devices that they reach.
+/// A time that was computed, in whole milliseconds.
+std::string rounded(std::chrono::nanoseconds duration);
+
+/// Deadlines of routes and listeners against the times of the devices that they reach.
 void check_deadlines(Draft& draft);
 
 /// Do these take a port from each other?
