@@ -103,7 +103,7 @@ void read_drive(Draft& draft, TomlTable& table, drive::Device& device);
 
 /// Where a table with times is.
 struct TimingOrigin {
-  Lines lines = Lines::any;         ///< what the bus may be
+  bool has_identifiers = false;     ///< late responses are known by their identifiers
   bool longest_quarantine = false;  ///< the bus of the device states `quarantine_max`
 };
 
