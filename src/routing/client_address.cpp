@@ -117,6 +117,10 @@ bool ClientList::contains(const ClientAddress& address, const ClientRole& role) 
       !role.certificate.empty() &&
       std::ranges::find(certificates, role.certificate) != certificates.end();
   return has_role || has_certificate || routing::contains(networks, address);
+bool is_link_local(const ClientAddress& address) {
+  return Network::parse("fe80::/10")->contains(address);
+}
+
 }
 
 namespace {

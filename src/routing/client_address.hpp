@@ -88,6 +88,8 @@ NetworkList loopback_networks();
 bool is_loopback(const ClientAddress& address);
 
 // The identity of a client by its certificate: the role in the X.509v3 extension
+/// Does the address mean nothing without an interface (RFC 4291, 2.5.6)?
+bool is_link_local(const ClientAddress& address);
 // 1.3.6.1.4.1.50316.802.1 (MB-TCP-Security v36, 8.3), and the subject's common name.
 
 struct ClientRole {

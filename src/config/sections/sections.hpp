@@ -29,6 +29,10 @@ inline constexpr std::uint16_t kSecurePort = 802;
 inline constexpr IntegerRange kUnits = {0, 255};
 /// Of devices on a serial line (Serial Line V1.02, 2.2).
 inline constexpr IntegerRange kSerialAddresses = {1, 247};
+/// Of an address at which nobody can listen (RFC 4291, 2.5.6).
+inline constexpr std::string_view kNoScope =
+    "a link-local address needs an interface, which cannot be named here: expected another address "
+    "of this machine, or \"::\"";
 /// Who confirms a broadcast to its client: the gateway, or nobody.
 inline constexpr std::array kBroadcastReplies = {Word{"echo", routing::BroadcastReply::echo},
                                                  Word{"none", routing::BroadcastReply::none}};
