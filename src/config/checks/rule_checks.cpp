@@ -76,19 +76,11 @@ void check_roles(Draft& draft, std::size_t at) {
   }
 }
 
-bool have_common(const routing::NetworkList& a, const routing::NetworkList& b) {
-  return std::ranges::any_of(a, [&](const routing::Network& one) {
-    return std::ranges::any_of(b, [&](const routing::Network& other) {
-      return one.contains(other) || other.contains(one);
-    });
-  });
-}
-
 void check_addresses(Draft& draft, std::size_t at) {
   const AccessRule& rule = draft.settings.rules[at];
   const auto lets_in = [&](ListenerId id, const routing::ClientGroup& group) {
     const auto& allow = draft.settings.listener(id).allow;
-    return allow.empty() || group.addresses.empty() || have_common(allow, group.addresses);
+    return allow.empty() || group.addresses.empty() || routing::have_common(allow, group.addresses);
   };
   const auto listeners = listeners_of(draft.settings, rule);
   const bool any =

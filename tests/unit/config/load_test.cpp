@@ -123,7 +123,7 @@ TEST(LoadSettings, FillsListenersAndBuses) {
   EXPECT_EQ(routed.max_requests_per_second, 500U);
   EXPECT_EQ(routed.pipeline, 4U);
   EXPECT_TRUE(routed.ordered);
-  EXPECT_EQ(routed.give_up, 800ms);
+  EXPECT_EQ(routed.give_up, 8s);
   EXPECT_TRUE(routed.one_at_a_time);
   EXPECT_EQ(routed.idle_timeout, 10min);
   EXPECT_EQ(routed.frame_timeout, 5s);
