@@ -96,13 +96,9 @@ bool Route::may_write() const {
   return false;
 }
 
-bool Route::leads_to(const drive::Device& server) const {
-  if (is_broadcast()) {
-    return std::ranges::find(buses, server.bus) != buses.end();
-  }
-  return buses.front() == server.bus &&
-         (server.has_every_unit || (server.address >= first_address &&
-                                    server.address - first_address <= last_unit - first_unit));
+bool ResolvedRoute::leads_to(const drive::Device& server, std::uint8_t unit) const {
+  return std::ranges::find(route.buses, server.bus) != route.buses.end() &&
+         (is_broadcast() || server.stands_for(route.address_of(unit)));
 }
 
 Result<modbus::Request, ExceptionCode> through_windows(std::span<const AddressWindow> windows,

@@ -87,8 +87,6 @@ struct Route {
   /// Does the route let any function through that may set something going? Unknown ones may;
   /// diagnostics and identification (08, 43) do not.
   [[nodiscard]] bool may_write() const;
-  /// Is the device one of those that the route leads to?
-  [[nodiscard]] bool leads_to(const drive::Device& server) const;
   friend bool operator==(const Route&, const Route&) = default;
 };
 
@@ -122,6 +120,8 @@ struct ResolvedRoute {
   std::optional<std::uint8_t> one_address{};
 
   [[nodiscard]] bool is_broadcast() const { return !devices_of_buses.empty(); }
+  /// Does the unit, which is one of the route's, lead to the device?
+  [[nodiscard]] bool leads_to(const drive::Device& server, std::uint8_t unit) const;
 };
 
 // Decides for each request whether its client may make it on this route; a denied one gets

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What only the whole configuration shows.
 #include <algorithm>
+#include <ranges>
 #include <span>
 
 #include "config/sections/sections.hpp"
@@ -52,29 +53,27 @@ bool is_reached(const Settings& settings, drive::BusId id) {
          });
 }
 
-/// Transparent listeners pass units 1 to 247 and those of devices, but for 255, which is the
-/// gateway; and broadcasts if they are told to.
-bool passes_writes(const gateway::ListenerSettings& listener, const drive::Device& device) {
-  constexpr std::uint8_t kLastUnit = 254;
-  return listener.bus == device.bus && (listener.broadcast || device.has_every_unit ||
-                                        (device.address >= 1 && device.address <= kLastUnit));
+routing::RouteTable table_of(const Settings& settings) {
+  std::vector<routing::ListenerKind> kinds;
+  for (const auto& listener : settings.listeners) {
+    kinds.push_back({.bus = listener.bus, .broadcast = listener.broadcast});
+  }
+  return {kinds, settings.routes, settings.devices};
 }
 
-bool lets_write(const Settings& settings, std::size_t at, const drive::Device& device) {
-  const auto& listener = settings.listeners[at];
-  return listener.bus ? passes_writes(listener, device)
-                      : std::ranges::any_of(settings.routes, [&](const Route& route) {
-                          return (!route.listener || index(*route.listener) == at) &&
-                                 route.may_write() && route.leads_to(device);
-                        });
-}
-
+/// The listeners that let clients write to the device.
 std::vector<gateway::ListenerSettings> writing_listeners(const Settings& settings,
+                                                         const routing::RouteTable& table,
                                                          const drive::Device& device) {
   std::vector<gateway::ListenerSettings> listeners;
-  for (std::size_t i = 0; i < settings.listeners.size(); ++i) {
-    if (lets_write(settings, i, device)) {
-      listeners.push_back(settings.listeners[i]);
+  for (std::size_t at = 0; at < settings.listeners.size(); ++at) {
+    const auto leads = [&](std::size_t unit) {
+      const auto* found = table.find(routing::ListenerId(at), static_cast<std::uint8_t>(unit));
+      return found != nullptr && settings.status_unit != unit && found->route.may_write() &&
+             found->leads_to(device, static_cast<std::uint8_t>(unit));
+    };
+    if (std::ranges::any_of(std::views::iota(std::size_t{0}, routing::UnitSet().size()), leads)) {
+      listeners.push_back(settings.listeners[at]);
     }
   }
   return listeners;
@@ -113,13 +112,13 @@ void check_let_in(TomlTable& table, std::string_view key, const routing::ClientL
 }
 
 /// Failsafe writes are sent when the client that counts has gone.
-void check_guard(Draft& draft, std::size_t at) {
+void check_guard(Draft& draft, const routing::RouteTable& routes, std::size_t at) {
   const auto& settings = draft.settings;
   const auto& guard = settings.guards[at];
   TomlTable& table = draft.devices[at];
   check_let_in(table, "writer", guard.writers, settings.listeners);
   check_let_in(table, "failsafe_clients", guard.failsafe_clients, settings.listeners);
-  const auto listeners = writing_listeners(settings, settings.devices[at]);
+  const auto listeners = writing_listeners(settings, routes, settings.devices[at]);
   if (guard.failsafe.empty()) {
     return;
   }
@@ -244,8 +243,8 @@ void check_repeated_writes(Draft& draft, std::size_t at) {
                      (is_held ? timing.quarantine_or_default() : Duration{0});
   const auto deadline = default_deadline(settings, device.bus);
   const bool has_longer = std::ranges::any_of(settings.routes, [&](const Route& route) {
-    return route.deadline && *route.deadline > after && !route.buses.empty() &&
-           route.leads_to(device);
+    return route.deadline && *route.deadline > after &&
+           std::ranges::find(route.buses, device.bus) != route.buses.end();
   });
   if (after >= deadline && !has_longer) {
     draft.devices[at].warning(
@@ -267,11 +266,12 @@ void check_whole(Draft& draft) {
   // After an error a route may be missing only because the entry that leads there is wrong.
   if (!draft.document.failed()) {
     check_ways(draft);
+    const auto routes = table_of(draft.settings);
     for (std::size_t at = 0; at < draft.devices.size(); ++at) {
-      check_guard(draft, at);
+      check_guard(draft, routes, at);
     }
     check_room(draft);
-    check_rules(draft);
+    check_rules(draft, routes);
   }
 }
 

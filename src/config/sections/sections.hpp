@@ -19,6 +19,7 @@
 #include "config/toml/suggestion.hpp"
 #include "config/toml/toml_reader.hpp"
 #include "gateway/settings.hpp"
+#include "routing/route_table.hpp"
 
 namespace mbgate::config {
 
@@ -80,7 +81,7 @@ void read_rules(Draft& draft);
 routing::RegisterSet read_rule_registers(TomlTable& table);
 
 /// Rules that can never match, or deny nothing to clients with TLS, and groups that none names.
-void check_rules(Draft& draft);
+void check_rules(Draft& draft, const routing::RouteTable& table);
 
 /// "mbgate.toml:12".
 std::string line_of(const Draft& draft, Position position);

@@ -248,20 +248,22 @@ bool may_write(std::initializer_list<std::size_t> functions) {
   return route.may_write();
 }
 
-TEST(Route, LeadsToTheDevicesOfItsBusAtItsAddresses) {
-  Route route;
-  route.first_unit = 11;
-  route.last_unit = 12;
-  route.first_address = 5;
-  route.buses = {BusId{1}};
-  const auto leads_to = [&](std::uint32_t bus, std::uint8_t address) {
-    return route.leads_to({"axis", BusId{bus}, address, {}});
+TEST(Route, LeadsToTheDeviceOfItsBusAtItsAddress) {
+  routing::ResolvedRoute resolved;
+  resolved.route.first_unit = 11;
+  resolved.route.last_unit = 12;
+  resolved.route.first_address = 5;
+  resolved.route.buses = {BusId{1}};
+  const auto leads_to = [&](std::uint8_t unit, std::uint32_t bus, std::uint8_t address) {
+    return resolved.leads_to({"axis", BusId{bus}, address, {}}, unit);
   };
-  EXPECT_FALSE(leads_to(1, 4));
-  EXPECT_TRUE(leads_to(1, 5));
-  EXPECT_TRUE(leads_to(1, 6));
-  EXPECT_FALSE(leads_to(1, 7));
-  EXPECT_FALSE(leads_to(0, 5));
+  EXPECT_TRUE(leads_to(11, 1, 5));
+  EXPECT_FALSE(leads_to(11, 1, 6));
+  EXPECT_TRUE(leads_to(12, 1, 6));
+  EXPECT_FALSE(leads_to(11, 0, 5));
+  resolved.devices_of_buses.emplace_back();
+  EXPECT_TRUE(leads_to(11, 1, 6));
+  EXPECT_FALSE(leads_to(11, 0, 5));
 }
 
 TEST(Route, MayWriteByWhateverIsNoRead) {
