@@ -160,7 +160,7 @@ void check_room(Draft& draft) {
   }
 }
 
-void check_ways(Draft& draft) {
+void check_ways(Draft& draft, const routing::RouteTable& routes) {
   const auto& settings = draft.settings;
   for (std::size_t i = 0; i < settings.buses.size(); ++i) {
     if (!is_reached(settings, drive::BusId{static_cast<std::uint32_t>(i)})) {
@@ -171,11 +171,8 @@ void check_ways(Draft& draft) {
   bool any_routed = false;
   for (std::size_t i = 0; i < settings.listeners.size(); ++i) {
     const bool routed = !settings.listeners[i].bus;
-    const bool served = std::ranges::any_of(settings.routes, [&](const Route& route) {
-      return !route.listener || index(*route.listener) == i;
-    });
     any_routed = any_routed || routed;
-    if (routed && !served) {
+    if (routed && routes.units(routing::ListenerId(i)).none()) {
       draft.document.warning(draft.listeners[i].value_position("name"),
                              "no route serves this listener and it has no 'bus'");
     }
@@ -210,15 +207,12 @@ void check_length(Draft& draft, TomlTable& table, std::string_view key, Duration
 }
 
 /// The clients' own timeout is the deadline of all that they ask.
-void check_give_up(Draft& draft, std::size_t at) {
+void check_give_up(Draft& draft, const routing::RouteTable& routes, std::size_t at) {
   const auto& listener = draft.settings.listeners[at];
   std::vector<drive::BusId> buses;
-  if (listener.bus) {
-    buses.push_back(*listener.bus);
-  }
-  for (const Route& route : draft.settings.routes) {
-    if (!listener.bus && (!route.listener || index(*route.listener) == at)) {
-      buses.insert(buses.end(), route.buses.begin(), route.buses.end());
+  for (std::size_t unit = 0; unit < routing::UnitSet().size(); ++unit) {
+    if (const auto* found = routes.find(routing::ListenerId(at), static_cast<std::uint8_t>(unit))) {
+      buses.insert(buses.end(), found->route.buses.begin(), found->route.buses.end());
     }
   }
   if (listener.give_up > Duration{0}) {
@@ -256,6 +250,18 @@ void check_repeated_writes(Draft& draft, std::size_t at) {
   }
 }
 
+void check_deadlines(Draft& draft) {
+  for (std::size_t at = 0; at < draft.routes.size(); ++at) {
+    const auto& route = draft.settings.routes[at];
+    if (route.deadline) {
+      check_length(draft, draft.routes[at], "deadline", *route.deadline, route.buses);
+    }
+  }
+  for (std::size_t at = 0; at < draft.devices.size(); ++at) {
+    check_repeated_writes(draft, at);
+  }
+}
+
 }  // namespace
 
 void check_whole(Draft& draft) {
@@ -265,28 +271,16 @@ void check_whole(Draft& draft) {
   check_deadlines(draft);
   // After an error a route may be missing only because the entry that leads there is wrong.
   if (!draft.document.failed()) {
-    check_ways(draft);
     const auto routes = table_of(draft.settings);
+    check_ways(draft, routes);
+    for (std::size_t at = 0; at < draft.listeners.size(); ++at) {
+      check_give_up(draft, routes, at);
+    }
     for (std::size_t at = 0; at < draft.devices.size(); ++at) {
       check_guard(draft, routes, at);
     }
     check_room(draft);
     check_rules(draft, routes);
-  }
-}
-
-void check_deadlines(Draft& draft) {
-  for (std::size_t at = 0; at < draft.listeners.size(); ++at) {
-    check_give_up(draft, at);
-  }
-  for (std::size_t at = 0; at < draft.routes.size(); ++at) {
-    const auto& route = draft.settings.routes[at];
-    if (route.deadline) {
-      check_length(draft, draft.routes[at], "deadline", *route.deadline, route.buses);
-    }
-  }
-  for (std::size_t at = 0; at < draft.devices.size(); ++at) {
-    check_repeated_writes(draft, at);
   }
 }
 

@@ -157,9 +157,6 @@ void check_routes(Draft& draft);
 /// A time that was computed, in whole milliseconds.
 std::string rounded(std::chrono::nanoseconds duration);
 
-/// Deadlines of routes and listeners against the times of the devices that they reach.
-void check_deadlines(Draft& draft);
-
 /// Do these take a port from each other?
 bool clash(const gateway::ListenerSettings& a, const gateway::ListenerSettings& b);
 
