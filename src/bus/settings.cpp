@@ -7,6 +7,17 @@
 #include "modbus/frames.hpp"
 
 namespace mbgate::bus {
+namespace {
+
+Duration longest_frame(const BusSettings& settings) {
+  if (settings.line.framing == Framing::tcp) {
+    return Duration{0};
+  }
+  return modbus::RtuTiming(settings.line.baud, settings.line.format)
+      .duration_of(settings.line.framing == Framing::ascii ? kMaxFrameSize : modbus::kMaxRtuSize);
+}
+
+}  // namespace
 
 Duration longest_transaction(const BusSettings& settings, std::span<const drive::Device> devices) {
   constexpr std::size_t kShortFrame = 8;  // 03, or the echo of 16, in RTU
@@ -26,11 +37,21 @@ Duration longest_transaction(const BusSettings& settings, std::span<const drive:
          waiting + settings.settle;
 }
 
-Duration longest_stop_wait(const BusSettings& settings, std::span<const drive::Device> devices) {
+Duration longest_stop_wait(const BusSettings& settings, std::vector<drive::Device> devices) {
+  for (drive::Device& device : devices) {
+    for (const auto& slow : device.profile.slow) {
+      device.timing.response_timeout =
+          std::max(device.timing.response_timeout, slow.response_timeout);
+    }
+  }
+  const Duration transaction = longest_transaction(settings, devices);
+  if (settings.line.framing == Framing::tcp) {
+    return transaction;
+  }
   const Duration silence = settings.frame_gap.value_or(
       modbus::RtuTiming(settings.line.baud, settings.line.format).t3_5());
-  return longest_transaction(settings, devices) - settings.settle +
-         settings.frame_slack_or_default() + silence;
+  return silence + std::max(transaction - settings.settle + settings.frame_slack_or_default(),
+                            longest_frame(settings) + settings.turnaround);
 }
 
 Duration default_listen_first(const BusSettings& settings, std::span<const drive::Device> devices) {
@@ -46,13 +67,7 @@ Duration default_listen_first(const BusSettings& settings, std::span<const drive
 
 Duration longest_stream(const BusSettings& settings) {
   constexpr int kTenths = 10;
-  if (settings.line.framing == Framing::tcp) {
-    return Duration{0};
-  }
-  const Duration frame =
-      modbus::RtuTiming(settings.line.baud, settings.line.format)
-          .duration_of(settings.line.framing == Framing::ascii ? kMaxFrameSize
-                                                               : modbus::kMaxRtuSize);
+  const Duration frame = longest_frame(settings);
   return frame + frame / kTenths;
 }
 

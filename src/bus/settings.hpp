@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "bus/instant.hpp"
 #include "drive/device.hpp"
@@ -160,9 +161,9 @@ struct BusSettings {
 /// count, nor do addresses without a device if there are devices.
 Duration longest_transaction(const BusSettings& settings, std::span<const drive::Device> devices);
 
-/// The longest time that a stop waits for the running transaction of a serial line, and for
-/// silence.
-Duration longest_stop_wait(const BusSettings& settings, std::span<const drive::Device> devices);
+/// The longest time that a stop waits where it does not go at once: for the running transaction,
+/// slow registers included, or the turnaround of a broadcast, and for silence.
+Duration longest_stop_wait(const BusSettings& settings, std::vector<drive::Device> devices);
 
 /// The longest time for which an answer to somebody who had the line before may still come: the
 /// longest response timeout of ordinary registers and its quarantine.

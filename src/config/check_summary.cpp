@@ -47,21 +47,26 @@ std::string units_text(const gateway::Settings& settings) {
   return text;
 }
 
+// How soon a stop is sent; by identifiers its answer is known among others.
+std::string stop_text(const bus::BusSettings& bus, std::vector<drive::Device> devices) {
+  const std::string wait =
+      bus.has_identifiers() ? "at once"
+                            : "within " + rounded(bus::longest_stop_wait(bus, std::move(devices)));
+  return bus.connect_delay == bus::Duration{0}
+             ? wait
+             : fmt::format("{}, on a new connection after connect_delay ({})", wait,
+                           to_text(bus.connect_delay));
+}
+
 // How long writes may wait for their turn on each bus, and stops for the line.
 std::string waits_text(const gateway::Settings& settings) {
-  const auto rounded = [](bus::Duration duration) {
-    return to_text(std::chrono::ceil<std::chrono::milliseconds>(duration));
-  };
   std::string text;
   for (std::size_t at = 0; at < settings.buses.size(); ++at) {
     const bus::BusSettings& bus = settings.buses[at];
     const auto devices = settings.devices_on(drive::BusId{static_cast<std::uint32_t>(at)});
     const bus::Duration longest = bus::longest_transaction(bus, devices);
     text += fmt::format("\nbus {}: writes have {} by default; a stop is sent {}", bus.name,
-                        rounded(gateway::write_deadline(longest)),
-                        bus.line.framing == bus::Framing::tcp
-                            ? "at once"
-                            : "within " + rounded(bus::longest_stop_wait(bus, devices)));
+                        rounded(gateway::write_deadline(longest)), stop_text(bus, devices));
   }
   return text;
 }
@@ -124,6 +129,10 @@ void add_lines(const gateway::Settings& settings, std::vector<std::string>& foun
 }
 
 }  // namespace
+
+std::string rounded(std::chrono::nanoseconds duration) {
+  return to_text(std::chrono::ceil<std::chrono::milliseconds>(duration));
+}
 
 std::string check_summary(const gateway::Settings& settings) {
   std::string text = fmt::format("configuration ok: {}, {}, {}, {}",

@@ -100,6 +100,13 @@ bool contains(const NetworkList& list, const ClientAddress& address) {
                              [&](const Network& network) { return network.contains(address); });
 }
 
+bool have_common(const NetworkList& a, const NetworkList& b) {
+  return std::ranges::any_of(a, [&](const Network& one) {
+    return std::ranges::any_of(
+        b, [&](const Network& other) { return one.contains(other) || other.contains(one); });
+  });
+}
+
 std::optional<ListenAddress> ListenAddress::parse(std::string_view text) {
   const auto place = host_and_port(text);
   const auto address = place ? ClientAddress::parse(place->host) : std::nullopt;
@@ -109,6 +116,10 @@ std::optional<ListenAddress> ListenAddress::parse(std::string_view text) {
 NetworkList loopback_networks() { return {*Network::parse("127.0.0.0/8"), *Network::parse("::1")}; }
 
 bool is_loopback(const ClientAddress& address) { return contains(loopback_networks(), address); }
+
+bool is_link_local(const ClientAddress& address) {
+  return Network::parse("fe80::/10")->contains(address);
+}
 
 bool ClientList::contains(const ClientAddress& address, const ClientRole& role) const {
   const bool has_role =

@@ -67,6 +67,8 @@ using NetworkList = std::vector<Network>;
 
 /// Is the address in one of the networks?
 bool contains(const NetworkList& list, const ClientAddress& address);
+/// Is there an address in both?
+bool have_common(const NetworkList& a, const NetworkList& b);
 /// Does a list of those who may connect let the address in? An empty one lets everybody in.
 inline bool lets_in(const NetworkList& allow, const ClientAddress& address) {
   return allow.empty() || contains(allow, address);
@@ -86,6 +88,8 @@ struct ListenAddress {
 /// What only this machine itself reaches (RFC 1122, 3.2.1.3; RFC 4291, 2.5.3).
 NetworkList loopback_networks();
 bool is_loopback(const ClientAddress& address);
+/// Does the address mean nothing without an interface (RFC 4291, 2.5.6)?
+bool is_link_local(const ClientAddress& address);
 
 // The identity of a client by its certificate: the role in the X.509v3 extension
 // 1.3.6.1.4.1.50316.802.1 (MB-TCP-Security v36, 8.3), and the subject's common name.

@@ -9,11 +9,13 @@
 namespace mbgate::routing {
 namespace {
 
+constexpr std::uint8_t kDiagnostics = 8;
+
 /// Does a request with this function move something? Unknown functions may; diagnostics and
 /// identification (08, 43) do not, though they are no reads in every form.
 bool may_move(std::uint8_t function) {
   return modbus::is_request_function(function) && !modbus::is_read({&function, 1}) &&
-         function != 8 && function != 43;
+         function != kDiagnostics && function != 43;
 }
 
 using modbus::ExceptionCode;
@@ -45,25 +47,32 @@ bool is_writable(Table table) { return table == Table::coils || table == Table::
 
 bool passes(const FunctionRules& rules, const modbus::Pdu& pdu) {
   const std::uint8_t function = pdu.function();
-  if (!modbus::is_request_function(function) || !rules.allowed.test(function)) {
-    return false;
+  if (function == kDiagnostics && pdu.size() >= 3) {
+    switch (modbus::load_be16(pdu.bytes(), 1)) {
+      case modbus::kModbusPlusStatistics: return false;
+      case modbus::kRestartCommunications: return rules.restart_communications;
+      case modbus::kChangeDelimiter: return rules.change_delimiter;
+      case modbus::kForceListenOnly: return rules.force_listen_only;
+      default: break;
+    }
   }
-  if (function == 0x08 && pdu.size() >= 3) {
-    const std::uint16_t sub_function = modbus::load_be16(pdu.bytes(), 1);
-    return sub_function != modbus::kModbusPlusStatistics &&
-           (sub_function != modbus::kRestartCommunications || rules.restart_communications) &&
-           (sub_function != modbus::kChangeDelimiter || rules.change_delimiter) &&
-           (sub_function != modbus::kForceListenOnly || rules.force_listen_only);
-  }
-  return true;
+  return modbus::is_request_function(function) && rules.allowed.test(function);
 }
 
 }  // namespace
+
+std::bitset<128> FunctionRules::codes() const {
+  auto codes = allowed;
+  codes[kDiagnostics] =
+      allowed[kDiagnostics] || restart_communications || force_listen_only || change_delimiter;
+  return codes;
+}
 
 FunctionRules FunctionRules::all() {
   FunctionRules rules;
   rules.allowed.set();
   rules.allowed.reset(0);
+  rules.change_delimiter = true;
   return rules;
 }
 
@@ -87,13 +96,9 @@ bool Route::may_write() const {
   return false;
 }
 
-bool Route::leads_to(const drive::Device& server) const {
-  if (is_broadcast()) {
-    return std::ranges::find(buses, server.bus) != buses.end();
-  }
-  return buses.front() == server.bus &&
-         (server.has_every_unit || (server.address >= first_address &&
-                                    server.address - first_address <= last_unit - first_unit));
+bool ResolvedRoute::leads_to(const drive::Device& server, std::uint8_t unit) const {
+  return std::ranges::find(route.buses, server.bus) != route.buses.end() &&
+         (is_broadcast() || server.stands_for(route.address_of(unit)));
 }
 
 Result<modbus::Request, ExceptionCode> through_windows(std::span<const AddressWindow> windows,

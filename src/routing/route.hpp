@@ -40,12 +40,14 @@ struct AddressWindow {
 /// The function codes that a route lets through. 08/01 and 08/04, and on ASCII lines 08/03, silence
 /// a device and pass only where they are named (Application Protocol V1.1b3, 6.8.1).
 struct FunctionRules {
-  std::bitset<128> allowed;
+  std::bitset<128> allowed;             ///< 8: without the three below, which pass by themselves
   bool restart_communications = false;  ///< 08/01
   bool force_listen_only = false;       ///< 08/04
   /// 08/03: on an ASCII line another end of a frame would silence the device.
-  bool change_delimiter = true;
-  /// Functions 1 to 127.
+  bool change_delimiter = false;
+  /// The function codes of which anything passes.
+  [[nodiscard]] std::bitset<128> codes() const;
+  /// Functions 1 to 127, and 08/03.
   static FunctionRules all();
   /// Those whose addresses a window can rewrite: 01-06, 15, 16, 22, 23, 24.
   static FunctionRules rewritable();
@@ -85,8 +87,6 @@ struct Route {
   /// Does the route let any function through that may set something going? Unknown ones may;
   /// diagnostics and identification (08, 43) do not.
   [[nodiscard]] bool may_write() const;
-  /// Is the device one of those that the route leads to?
-  [[nodiscard]] bool leads_to(const drive::Device& server) const;
   friend bool operator==(const Route&, const Route&) = default;
 };
 
@@ -120,6 +120,8 @@ struct ResolvedRoute {
   std::optional<std::uint8_t> one_address{};
 
   [[nodiscard]] bool is_broadcast() const { return !devices_of_buses.empty(); }
+  /// Does the unit, which is one of the route's, lead to the device?
+  [[nodiscard]] bool leads_to(const drive::Device& server, std::uint8_t unit) const;
 };
 
 // Decides for each request whether its client may make it on this route; a denied one gets

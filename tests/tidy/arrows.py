@@ -45,9 +45,9 @@ FOLDERS = {
     "ctl/replay": GATEWAY | CONFIG | SYS | {"ctl"},
     "ctl/tls": ROUTING | CONFIG | SYS | {"ctl"},
 }
-# Single headers beyond a module's arrows: plain data that carries no decision.
+# Single headers beyond a module's arrows: plain data that carries no decision, and where units lead.
 SETTINGS = {"gateway/settings.hpp", "gateway/limits.hpp", "routing/route.hpp", "routing/client_address.hpp",
-            "bus/settings.hpp"}
+            "bus/settings.hpp", "routing/route_table.hpp"}
 EXTRA_HEADERS = {
     "config": SETTINGS,
     "sim": {"bus/instant.hpp"},

@@ -53,8 +53,9 @@ std::string functions_of(const Settings& settings, const Route& route) {
     }
   }
   text += route.functions.restart_communications ? " 8/1" : "";
-  text += has_delimiter && route.functions.change_delimiter ? " 8/3" : "";
-  return text + (route.functions.force_listen_only ? " 8/4" : "");
+  text += route.functions.change_delimiter && (has_delimiter || !allowed.test(8)) ? " 8/3" : "";
+  text += route.functions.force_listen_only ? " 8/4" : "";
+  return text.substr(text.starts_with(' ') ? 1 : 0);
 }
 
 std::string windows_of(const Route& route) {

@@ -31,10 +31,11 @@ void check_order_known(Draft& draft, std::size_t route, std::size_t at) {
 /// A forgotten profile would leave every value in the drive's own order without a word.
 void check_order_matters(Draft& draft, std::size_t route, std::size_t at) {
   const auto& device = draft.settings.devices[at];
-  if (!draft.devices[at].has("profile") && !has_values(device)) {
+  if (draft.profile_known[at] && !has_values(device)) {
     draft.routes[route].warning(
         "word_order",
-        "changes nothing: no values of {} are known; give it a 'profile' or 'values32'",
+        "changes nothing: no values of {} are known; give it a 'profile' that has them, or "
+        "'values32'",
         in_quotes(device.name));
   }
 }

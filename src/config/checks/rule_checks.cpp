@@ -8,12 +8,10 @@
 namespace mbgate::config {
 namespace {
 
-using gateway::ListenerSettings;
 using gateway::Settings;
 using modbus::Table;
 using routing::AccessRule;
 using routing::ListenerId;
-using routing::Route;
 using routing::RuleAccess;
 
 void warn(Draft& draft, std::size_t at, std::string_view why) {
@@ -76,19 +74,11 @@ void check_roles(Draft& draft, std::size_t at) {
   }
 }
 
-bool have_common(const routing::NetworkList& a, const routing::NetworkList& b) {
-  return std::ranges::any_of(a, [&](const routing::Network& one) {
-    return std::ranges::any_of(b, [&](const routing::Network& other) {
-      return one.contains(other) || other.contains(one);
-    });
-  });
-}
-
 void check_addresses(Draft& draft, std::size_t at) {
   const AccessRule& rule = draft.settings.rules[at];
   const auto lets_in = [&](ListenerId id, const routing::ClientGroup& group) {
     const auto& allow = draft.settings.listener(id).allow;
-    return allow.empty() || group.addresses.empty() || have_common(allow, group.addresses);
+    return allow.empty() || group.addresses.empty() || routing::have_common(allow, group.addresses);
   };
   const auto listeners = listeners_of(draft.settings, rule);
   const bool any =
@@ -171,63 +161,27 @@ void check_registers(Draft& draft, std::size_t at) {
   }
 }
 
-bool leads_to_one_of(const Settings& settings, const AccessRule& rule, drive::BusId bus,
-                     std::optional<unsigned> address) {
-  const auto devices = devices_of(settings, rule);
-  return rule.devices.empty() || std::ranges::any_of(devices, [&](const drive::Device* device) {
-           return device->bus == bus &&
-                  (!address || device->stands_for(static_cast<std::uint8_t>(*address)));
-         });
-}
-
-bool leads_there(const Settings& settings, const AccessRule& rule, const ListenerSettings& listener,
-                 unsigned unit) {
-  constexpr unsigned kOwnUnit = 255;
-  if (!listener.bus || unit == kOwnUnit) {
-    return false;
-  }
-  if (unit == 0) {
-    return listener.broadcast && leads_to_one_of(settings, rule, *listener.bus, std::nullopt);
-  }
-  const bool is_routed =
-      unit <= modbus::kMaxDeviceAddress || std::ranges::any_of(settings.devices, [&](auto& device) {
-        return device.bus == *listener.bus && device.address == unit;
-      });
-  return is_routed && leads_to_one_of(settings, rule, *listener.bus, unit);
-}
-
-bool leads_there(const Settings& settings, const AccessRule& rule, const Route& route,
-                 unsigned unit) {
-  if (unit < route.first_unit || unit > route.last_unit ||
-      (rule.functions && (*rule.functions & route.functions.allowed).none())) {
-    return false;
-  }
-  const auto address =
-      route.is_broadcast()
-          ? std::nullopt
-          : std::optional<unsigned>(route.address_of(static_cast<std::uint8_t>(unit)));
-  return std::ranges::any_of(
-      route.buses, [&](drive::BusId bus) { return leads_to_one_of(settings, rule, bus, address); });
-}
-
-bool is_reached_by(const Settings& settings, const AccessRule& rule, ListenerId id, unsigned unit) {
+bool is_reached_by(const Settings& settings, const routing::ResolvedRoute* found,
+                   const AccessRule& rule, std::uint8_t unit) {
   if (settings.status_unit == unit) {
     return rule.devices.empty();
   }
-  const ListenerSettings& listener = settings.listener(id);
-  return leads_there(settings, rule, listener, unit) ||
-         std::ranges::any_of(settings.routes, [&](const Route& route) {
-           return !listener.bus && (!route.listener || *route.listener == id) &&
-                  leads_there(settings, rule, route, unit);
-         });
+  if (found == nullptr ||
+      (rule.functions && (*rule.functions & found->route.functions.codes()).none())) {
+    return false;
+  }
+  return rule.devices.empty() ||
+         std::ranges::any_of(devices_of(settings, rule),
+                             [&](const auto* device) { return found->leads_to(*device, unit); });
 }
 
-void check_units(Draft& draft, std::size_t at) {
+void check_units(Draft& draft, const routing::RouteTable& table, std::size_t at) {
   const AccessRule& rule = draft.settings.rules[at];
   for (const ListenerId id : listeners_of(draft.settings, rule)) {
-    for (unsigned unit = 0; unit < routing::UnitSet().size(); ++unit) {
+    for (std::size_t at_unit = 0; at_unit < routing::UnitSet().size(); ++at_unit) {
+      const auto unit = static_cast<std::uint8_t>(at_unit);
       if ((!rule.units || rule.units->test(unit)) &&
-          is_reached_by(draft.settings, rule, id, unit)) {
+          is_reached_by(draft.settings, table.find(id, unit), rule, unit)) {
         return;
       }
     }
@@ -249,13 +203,13 @@ void check_hidden(Draft& draft, std::size_t at) {
 
 }  // namespace
 
-void check_rules(Draft& draft) {
+void check_rules(Draft& draft, const routing::RouteTable& table) {
   for (std::size_t at = 0; at < draft.settings.rules.size(); ++at) {
     check_roles(draft, at);
     check_addresses(draft, at);
     check_functions(draft, at);
     check_registers(draft, at);
-    check_units(draft, at);
+    check_units(draft, table, at);
     check_hidden(draft, at);
   }
   for (std::size_t group = 0; group < draft.groups.size(); ++group) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What only the whole configuration shows.
 #include <algorithm>
-#include <fmt/core.h>
+#include <ranges>
+#include <span>
 
 #include "config/sections/sections.hpp"
 #include "config/toml/toml_value.hpp"
@@ -52,12 +53,37 @@ bool is_reached(const Settings& settings, drive::BusId id) {
          });
 }
 
-/// Transparent listeners pass units 1 to 247 and those of devices, but for 255, which is the
-/// gateway; and broadcasts if they are told to.
-bool passes_writes(const gateway::ListenerSettings& listener, const drive::Device& device) {
-  constexpr std::uint8_t kLastUnit = 254;
-  return listener.bus == device.bus && (listener.broadcast || device.has_every_unit ||
-                                        (device.address >= 1 && device.address <= kLastUnit));
+routing::RouteTable table_of(const Settings& settings) {
+  std::vector<routing::ListenerKind> kinds;
+  for (const auto& listener : settings.listeners) {
+    kinds.push_back({.bus = listener.bus, .broadcast = listener.broadcast});
+  }
+  return {kinds, settings.routes, settings.devices};
+}
+
+/// The listeners that let clients write to the device.
+std::vector<gateway::ListenerSettings> writing_listeners(const Settings& settings,
+                                                         const routing::RouteTable& table,
+                                                         const drive::Device& device) {
+  std::vector<gateway::ListenerSettings> listeners;
+  for (std::size_t at = 0; at < settings.listeners.size(); ++at) {
+    const auto leads = [&](std::size_t unit) {
+      const auto* found = table.find(routing::ListenerId(at), static_cast<std::uint8_t>(unit));
+      return found != nullptr && settings.status_unit != unit && found->route.may_write() &&
+             found->leads_to(device, static_cast<std::uint8_t>(unit));
+    };
+    if (std::ranges::any_of(std::views::iota(std::size_t{0}, routing::UnitSet().size()), leads)) {
+      listeners.push_back(settings.listeners[at]);
+    }
+  }
+  return listeners;
+}
+
+bool let_in_one(std::span<const gateway::ListenerSettings> listeners) {
+  return std::ranges::all_of(listeners, [&](const auto& it) {
+    return it.allow.size() == 1 && it.allow.front().is_host() && !it.counts_certificates &&
+           it.allow == listeners.front().allow;
+  });
 }
 
 /// Does the configuration say whose leaving sends the failsafe writes?
@@ -66,31 +92,43 @@ bool is_said_who_counts(const gateway::DeviceGuard& guard) {
          (guard.writer == gateway::WriterRule::listed && guard.writers.names_one());
 }
 
+/// Of clients with certificates it is not known where they come from.
+void check_let_in(TomlTable& table, std::string_view key, const routing::ClientList& clients,
+                  std::span<const gateway::ListenerSettings> listeners) {
+  if (clients.networks.empty() || !clients.roles.empty() || !clients.certificates.empty() ||
+      listeners.empty()) {
+    return;
+  }
+  for (const auto& [text, position] : table.strings(key).value_or(std::vector<TomlText>())) {
+    const auto network = routing::Network::parse(text);
+    if (std::ranges::none_of(listeners, [&](const auto& it) {
+          return it.allow.empty() || routing::have_common(it.allow, {*network});
+        })) {
+      table.document().warning(position,
+                               "{}: {} is never a client here: 'allow' does not let it in", key,
+                               in_quotes(text));
+    }
+  }
+}
+
 /// Failsafe writes are sent when the client that counts has gone.
-void check_failsafe(Draft& draft) {
+void check_guard(Draft& draft, const routing::RouteTable& routes, std::size_t at) {
   const auto& settings = draft.settings;
-  for (std::size_t i = 0; i < settings.devices.size(); ++i) {
-    const auto& device = settings.devices[i];
-    const bool written =
-        std::ranges::any_of(settings.listeners,
-                            [&](const auto& it) { return passes_writes(it, device); }) ||
-        std::ranges::any_of(settings.routes, [&](const Route& route) {
-          return route.may_write() && route.leads_to(device);
-        });
-    if (settings.guards[i].failsafe.empty()) {
-      continue;
-    }
-    if (written && !is_said_who_counts(settings.guards[i])) {
-      draft.devices[i].warning(
-          "failsafe",
-          "the client that wrote last counts, and more than one may write: name in "
-          "failsafe_clients the clients whose disconnection sends these writes");
-    }
-    if (!written) {
-      draft.devices[i].warning("failsafe",
-                               "is never sent: no listener and no route lets a client write to "
-                               "this device");
-    }
+  const auto& guard = settings.guards[at];
+  TomlTable& table = draft.devices[at];
+  check_let_in(table, "writer", guard.writers, settings.listeners);
+  check_let_in(table, "failsafe_clients", guard.failsafe_clients, settings.listeners);
+  const auto listeners = writing_listeners(settings, routes, settings.devices[at]);
+  if (guard.failsafe.empty()) {
+    return;
+  }
+  if (listeners.empty()) {
+    table.warning("failsafe",
+                  "is never sent: no listener and no route lets a client write to this device");
+  } else if (!is_said_who_counts(guard) && !let_in_one(listeners)) {
+    table.warning("failsafe",
+                  "the client that wrote last counts, and more than one may write: name in "
+                  "failsafe_clients the clients whose disconnection sends these writes");
   }
 }
 
@@ -101,6 +139,7 @@ void check_room(Draft& draft) {
   for (std::size_t i = 0; i < settings.listeners.size(); ++i) {
     const auto& listener = settings.listeners[i];
     any_kept = any_kept || !listener.keep.empty();
+    check_let_in(draft.listeners[i], "keep", listener.keep, std::span(&listener, 1));
     if (listener.max_connections_per_address >= listener.max_connections) {
       TomlTable& table = draft.listeners[i];
       const bool is_stated = table.has("max_connections_per_address");
@@ -121,7 +160,7 @@ void check_room(Draft& draft) {
   }
 }
 
-void check_ways(Draft& draft) {
+void check_ways(Draft& draft, const routing::RouteTable& routes) {
   const auto& settings = draft.settings;
   for (std::size_t i = 0; i < settings.buses.size(); ++i) {
     if (!is_reached(settings, drive::BusId{static_cast<std::uint32_t>(i)})) {
@@ -132,11 +171,8 @@ void check_ways(Draft& draft) {
   bool any_routed = false;
   for (std::size_t i = 0; i < settings.listeners.size(); ++i) {
     const bool routed = !settings.listeners[i].bus;
-    const bool served = std::ranges::any_of(settings.routes, [&](const Route& route) {
-      return !route.listener || index(*route.listener) == i;
-    });
     any_routed = any_routed || routed;
-    if (routed && !served) {
+    if (routed && routes.units(routing::ListenerId(i)).none()) {
       draft.document.warning(draft.listeners[i].value_position("name"),
                              "no route serves this listener and it has no 'bus'");
     }
@@ -148,100 +184,81 @@ void check_ways(Draft& draft) {
 }
 
 using bus::Duration;
-using gateway::Settings;
-using routing::Route;
 
 Duration default_deadline(const Settings& settings, drive::BusId id) {
   return gateway::write_deadline(
       bus::longest_transaction(settings.bus(id), settings.devices_on(id)));
 }
 
-Duration sensible_deadline(const Settings& settings, const Route& route) {
+void check_length(Draft& draft, TomlTable& table, std::string_view key, Duration given,
+                  const std::vector<drive::BusId>& buses) {
   Duration sensible{0};
-  for (const auto id : route.buses) {
-    if (index(id) < settings.buses.size()) {
-      sensible = std::max(sensible, default_deadline(settings, id));
+  for (const auto id : buses) {
+    if (index(id) < draft.settings.buses.size()) {
+      sensible = std::max(sensible, default_deadline(draft.settings, id));
     }
   }
-  return sensible;
-}
-
-void check_length(Draft& draft, std::size_t at) {
-  const auto& route = draft.settings.routes[at];
-  const auto sensible = sensible_deadline(draft.settings, route);
-  if (route.deadline && *route.deadline < sensible) {
-    draft.routes[at].warning(
-        "deadline",
-        "{} is shorter than {} (500ms, and twice the longest transaction of the bus): one silent "
-        "device or one lost answer can use up this deadline",
-        to_text(*route.deadline), to_text(sensible));
+  if (given < sensible) {
+    table.warning(key,
+                  "{} is shorter than {} (500ms, and twice the longest transaction of the bus): "
+                  "one silent device or one lost answer can use it up",
+                  to_text(given), rounded(sensible));
   }
 }
 
-/// How long after its first transmission a write is repeated, silence and all: its device is left
-/// alone until the late answer to the first one cannot come any more.
-Duration repeated_after(const Draft& draft, const drive::Device& device) {
-  const auto& timing = device.timing;
-  Duration longest = timing.response_timeout;
-  for (const auto& slow : device.profile.slow) {
-    longest = std::max(longest, slow.response_timeout);
+/// The clients' own timeout is the deadline of all that they ask.
+void check_give_up(Draft& draft, const routing::RouteTable& routes, std::size_t at) {
+  const auto& listener = draft.settings.listeners[at];
+  std::vector<drive::BusId> buses;
+  for (std::size_t unit = 0; unit < routing::UnitSet().size(); ++unit) {
+    if (const auto* found = routes.find(routing::ListenerId(at), static_cast<std::uint8_t>(unit))) {
+      buses.insert(buses.end(), found->route.buses.begin(), found->route.buses.end());
+    }
   }
-  const auto quarantine = is_tcp(draft, device.bus) ? Duration{0} : timing.quarantine_or_default();
-  return longest + timing.response_wait + quarantine;
+  if (listener.give_up > Duration{0}) {
+    check_length(draft, draft.listeners[at], "give_up", listener.give_up, buses);
+  }
 }
 
-bool writes_reach(const Route& route, const drive::Device& device) {
-  // A route to a device that nobody knows has no bus.
-  return !route.buses.empty() && route.may_write() && route.leads_to(device);
-}
-
-/// Transparent listeners have no deadline of their own.
-bool is_reached_by_listener(const Settings& settings, const drive::Device& device) {
-  return std::ranges::any_of(settings.listeners,
-                             [&](const auto& listener) { return listener.bus == device.bus; });
-}
-
-/// Is there a route for writes to it that states no deadline?
-bool is_reached_by_default(const Settings& settings, const drive::Device& device) {
-  return std::ranges::any_of(settings.routes, [&](const Route& route) {
-    return !route.deadline && writes_reach(route, device);
-  });
-}
-
-/// `retry_writes` that can do nothing, because the deadline ends before a write may be repeated.
+/// A write is repeated when the late answer to its first transmission cannot come any more.
 void check_repeated_writes(Draft& draft, std::size_t at) {
   const auto& settings = draft.settings;
   const auto& device = settings.devices[at];
-  if (!device.timing.retry_writes || index(device.bus) >= settings.buses.size()) {
+  const auto& timing = device.timing;
+  if (!timing.retry_writes || index(device.bus) >= settings.buses.size()) {
     return;
   }
-  if (device.timing.retries == 0) {
+  if (timing.retries == 0) {
     draft.devices[at].error("retry_writes", "does nothing with retries = 0");
     return;
   }
-  const auto after = repeated_after(draft, device);
-  const auto explain = [&](Duration deadline) {
-    return fmt::format(
-        "a write is repeated {} after it was sent (response timeout and quarantine), and its "
-        "deadline is {} after it came",
-        to_text(after), to_text(deadline));
-  };
-  const auto standard = default_deadline(settings, device.bus);
-  const bool by_listener = is_reached_by_listener(settings, device);
-  if (standard <= after && (by_listener || is_reached_by_default(settings, device))) {
-    // What a listener leads to is not helped by routes.
-    const auto other =
-        by_listener ? "" : ", or give its routes a deadline of more than " + to_text(after);
-    draft.devices[at].error("retry_writes", "does nothing: {}; make the quarantine shorter{}",
-                            explain(standard), other);
+  const bool is_held = !settings.bus(device.bus).has_identifiers();
+  const auto after = timing.response_timeout + timing.response_wait +
+                     (is_held ? timing.quarantine_or_default() : Duration{0});
+  const auto deadline = default_deadline(settings, device.bus);
+  const bool has_longer = std::ranges::any_of(settings.routes, [&](const Route& route) {
+    return route.deadline && *route.deadline > after &&
+           std::ranges::find(route.buses, device.bus) != route.buses.end();
+  });
+  if (after >= deadline && !has_longer) {
+    draft.devices[at].warning(
+        "retry_writes",
+        "does nothing: a write is repeated {} after it was sent (response timeout and quarantine), "
+        "and its deadline is {} after it came; make the quarantine shorter, or give its routes a "
+        "longer deadline",
+        to_text(after), rounded(deadline));
   }
-  for (std::size_t i = 0; i < draft.routes.size(); ++i) {
-    const auto& route = settings.routes[i];
-    if (route.deadline && *route.deadline <= after && writes_reach(route, device)) {
-      draft.routes[i].error("deadline",
-                            "makes retry_writes of {} do nothing: {}; make it more than {}",
-                            in_quotes(device.name), explain(*route.deadline), to_text(after));
+}
+
+void check_deadlines(Draft& draft) {
+  for (std::size_t at = 0; at < draft.routes.size(); ++at) {
+    const auto& route = draft.settings.routes[at];
+    if (route.deadline) {
+      check_length(draft, draft.routes[at], "deadline", *route.deadline, route.buses);
     }
+  }
+  for (std::size_t at = 0; at < draft.devices.size(); ++at) {
+    check_repeated_writes(draft, at);
   }
 }
 
@@ -254,19 +271,16 @@ void check_whole(Draft& draft) {
   check_deadlines(draft);
   // After an error a route may be missing only because the entry that leads there is wrong.
   if (!draft.document.failed()) {
-    check_ways(draft);
-    check_failsafe(draft);
+    const auto routes = table_of(draft.settings);
+    check_ways(draft, routes);
+    for (std::size_t at = 0; at < draft.listeners.size(); ++at) {
+      check_give_up(draft, routes, at);
+    }
+    for (std::size_t at = 0; at < draft.devices.size(); ++at) {
+      check_guard(draft, routes, at);
+    }
     check_room(draft);
-    check_rules(draft);
-  }
-}
-
-void check_deadlines(Draft& draft) {
-  for (std::size_t at = 0; at < draft.routes.size(); ++at) {
-    check_length(draft, at);
-  }
-  for (std::size_t at = 0; at < draft.devices.size(); ++at) {
-    check_repeated_writes(draft, at);
+    check_rules(draft, routes);
   }
 }
 

@@ -31,9 +31,6 @@ constexpr std::string_view kServer = R"(belongs to mode = "tcp")";
 constexpr std::string_view kConnection =
     R"(belongs to a TCP connection: mode = "tcp", or device = "tcp://host:port")";
 constexpr std::string_view kSilence = "belongs to serial lines: a connection needs no silence";
-constexpr std::string_view kIdentified =
-    "belongs to serial lines: the late responses of a Modbus TCP server are known by their "
-    "transaction identifiers";
 
 constexpr std::int64_t kFastest = std::numeric_limits<std::uint32_t>::max();
 /// A server takes 1 to 16 transactions at a time (Messaging on TCP/IP V1.0b, 4.3.2,
@@ -153,10 +150,8 @@ constexpr std::array kTimingKeys = {
     plain<&DeviceTiming::response_timeout>("response_timeout", DurationRange{1ms, 1h}),
     plain<&DeviceTiming::retries>("retries", IntegerRange{0, 100}),
     plain<&DeviceTiming::stop_retries>("stop_retries", IntegerRange{0, 100}),
-    plain<&DeviceTiming::quarantine>("quarantine", DurationRange{0s, 1h}, Lines::serial,
-                                     kIdentified),
-    plain<&DeviceTiming::quarantine_max>("quarantine_max", DurationRange{0s, 1h}, Lines::serial,
-                                         kIdentified),
+    plain<&DeviceTiming::quarantine>("quarantine", DurationRange{0s, 1h}),
+    plain<&DeviceTiming::quarantine_max>("quarantine_max", DurationRange{0s, 1h}),
     plain<&DeviceTiming::offline_after>("offline_after", IntegerRange{0, 1000}),
     plain<&DeviceTiming::probe_interval>("probe_interval", DurationRange{1ms, 1h}),
     plain<&DeviceTiming::probe_timeout>("probe_timeout", DurationRange{1ms, 1h}),

@@ -151,8 +151,12 @@ void check_longest_quarantine(TomlTable& table, bool inherited, drive::DeviceTim
 }
 
 void check_quarantine(TomlTable& table, TimingOrigin origin, drive::DeviceTiming& timing) {
-  if (origin.lines == Lines::server) {
-    return;  // it has none
+  if (origin.has_identifiers) {
+    table.reject(
+        {"quarantine", "quarantine_max"},
+        "belongs to serial lines and to check_transaction = false: transaction identifiers "
+        "tell whose a late response is");
+    return;
   }
   if (table.has("quarantine") && timing.quarantine == 0s) {
     table.warning("quarantine",
@@ -187,7 +191,7 @@ void read_buses(Draft& draft) {
     const Lines lines = read_line(table, settings);
     read_peer(draft, table, settings.line, lines);
     check_line(draft, settings);
-    read_shared_timing(table, {.lines = lines}, settings.timing);
+    read_shared_timing(table, {.has_identifiers = settings.has_identifiers()}, settings.timing);
     check_reopening(table, settings);
     check_stop_deadline(table, settings);
     check_frame_gap(table, settings);
@@ -197,7 +201,7 @@ void read_buses(Draft& draft) {
 }
 
 void read_shared_timing(TomlTable& table, TimingOrigin origin, drive::DeviceTiming& timing) {
-  read_keys(table, timing_keys(), timing, origin.lines);
+  read_keys(table, timing_keys(), timing);
   check_quarantine(table, origin, timing);
   check_probe_timeout(table, timing);
 }

@@ -22,7 +22,7 @@ void read_bus(Draft& draft, TomlTable& table, drive::Device& device) {
 void read_timing(Draft& draft, TomlTable& table, drive::Device& device) {
   TimingOrigin origin;
   if (index(device.bus) < draft.buses.size()) {
-    origin.lines = lines_of(draft.settings.bus(device.bus).line);
+    origin.has_identifiers = draft.settings.bus(device.bus).has_identifiers();
     origin.longest_quarantine = draft.buses[index(device.bus)].has("quarantine_max");
   }
   read_shared_timing(table, origin, device.timing);

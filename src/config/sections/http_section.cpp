@@ -69,6 +69,9 @@ void read_listen(Draft& draft, TomlTable& table) {
       table.report_expected("listen", {position, text}, kListen);
       continue;
     }
+    if (routing::is_link_local(listen->address)) {
+      draft.document.error(position, fmt::format("listen: {}", kNoScope));
+    }
     if (const auto first = taken_at(draft, entries, *listen)) {
       draft.document.error(position, "listen: the port of {} is already used at {}",
                            in_quotes(text), place(draft.document, *first));

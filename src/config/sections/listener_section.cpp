@@ -13,9 +13,12 @@ using routing::ClientAddress;
 void read_address(TomlTable& table, ListenerSettings& listener) {
   if (const auto address = table.string("address")) {
     listener.address = *address;
-    if (!ClientAddress::parse(*address)) {
+    const auto parsed = ClientAddress::parse(*address);
+    if (!parsed) {
       table.report_expected("address", *table.value("address"),
                             R"(an IPv4 or IPv6 address, such as "127.0.0.1" or "::")");
+    } else if (routing::is_link_local(*parsed)) {
+      table.error("address", kNoScope);
     }
   }
   if (!table.has("tls")) {
@@ -70,10 +73,24 @@ void read_access(Draft& draft, TomlTable& table, ListenerSettings& listener) {
   }
 }
 
+/// The gateway answers its own unit itself, and here every device has its address as unit.
+void check_own_unit(const Draft& draft, TomlTable& table, drive::BusId bus) {
+  for (const auto& device : draft.settings.devices) {
+    if (device.bus == bus && device.address == draft.settings.status_unit &&
+        !device.has_every_unit) {
+      table.error("bus",
+                  "unit {} is the gateway itself ([gateway] unit): device {} could not be reached; "
+                  "give [gateway] unit a number that no device of this bus has, or false",
+                  device.address, in_quotes(device.name));
+    }
+  }
+}
+
 void read_transparent(Draft& draft, TomlTable& table, ListenerSettings& listener) {
   const bool transparent = table.has("bus");
   if (const auto bus = find_named(table, "bus", draft.settings.buses)) {
     listener.bus = drive::BusId{static_cast<std::uint32_t>(*bus)};
+    check_own_unit(draft, table, *listener.bus);
   } else if (transparent) {
     listener.bus = drive::BusId{~0U};  // stays transparent, of no bus
   }

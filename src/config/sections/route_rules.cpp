@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 constexpr std::array kRouteAccesses = {Word{"read-only", Access::read_only},
                                        Word{"read-write", Access::read_write}};
 constexpr std::int64_t kTableSize = 65536;
-constexpr std::int64_t kDiagnostics = 8;
+constexpr std::size_t kDiagnostics = 8;
 /// Sub-functions that silence a device, each named by itself.
 constexpr std::array kSilencing = {Word{"8/1", &FunctionRules::restart_communications},
                                    Word{"8/3", &FunctionRules::change_delimiter},
@@ -41,7 +41,6 @@ bool allow(const TomlValue& element, FunctionRules& rules) {
   if (!named) {
     return false;
   }
-  rules.allowed.set(kDiagnostics);
   rules.*(*named) = true;
   return true;
 }
@@ -55,14 +54,13 @@ bool has_delimiter(const Draft& draft, const Route& route) {
 }
 
 void read_functions(const Draft& draft, TomlTable& table, Route& route, bool broadcast) {
-  const bool must_be_named = has_delimiter(draft, route);
   const auto* elements = table.list("functions");
   if (elements == nullptr) {
-    route.functions.change_delimiter = !must_be_named;
+    route.functions.change_delimiter =
+        route.functions.change_delimiter && !has_delimiter(draft, route);
     return;
   }
   FunctionRules rules;
-  rules.change_delimiter = !must_be_named;
   for (const auto& element : *elements) {
     const auto* code = std::get_if<std::int64_t>(&element.data);
     if (!allow(element, rules)) {
@@ -76,6 +74,8 @@ void read_functions(const Draft& draft, TomlTable& table, Route& route, bool bro
   if (elements->empty()) {
     table.error("functions", "an empty list lets nothing through");
   }
+  rules.change_delimiter =
+      rules.change_delimiter || (rules.allowed.test(kDiagnostics) && !has_delimiter(draft, route));
   route.functions = rules;
   route.functions_named = true;
 }

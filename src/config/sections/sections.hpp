@@ -19,6 +19,7 @@
 #include "config/toml/suggestion.hpp"
 #include "config/toml/toml_reader.hpp"
 #include "gateway/settings.hpp"
+#include "routing/route_table.hpp"
 
 namespace mbgate::config {
 
@@ -29,6 +30,10 @@ inline constexpr std::uint16_t kSecurePort = 802;
 inline constexpr IntegerRange kUnits = {0, 255};
 /// Of devices on a serial line (Serial Line V1.02, 2.2).
 inline constexpr IntegerRange kSerialAddresses = {1, 247};
+/// Of an address at which nobody can listen (RFC 4291, 2.5.6).
+inline constexpr std::string_view kNoScope =
+    "a link-local address needs an interface, which cannot be named here: expected another address "
+    "of this machine, or \"::\"";
 /// Who confirms a broadcast to its client: the gateway, or nobody.
 inline constexpr std::array kBroadcastReplies = {Word{"echo", routing::BroadcastReply::echo},
                                                  Word{"none", routing::BroadcastReply::none}};
@@ -76,7 +81,7 @@ void read_rules(Draft& draft);
 routing::RegisterSet read_rule_registers(TomlTable& table);
 
 /// Rules that can never match, or deny nothing to clients with TLS, and groups that none names.
-void check_rules(Draft& draft);
+void check_rules(Draft& draft, const routing::RouteTable& table);
 
 /// "mbgate.toml:12".
 std::string line_of(const Draft& draft, Position position);
@@ -103,7 +108,7 @@ void read_drive(Draft& draft, TomlTable& table, drive::Device& device);
 
 /// Where a table with times is.
 struct TimingOrigin {
-  Lines lines = Lines::any;         ///< what the bus may be
+  bool has_identifiers = false;     ///< late responses are known by their identifiers
   bool longest_quarantine = false;  ///< the bus of the device states `quarantine_max`
 };
 
@@ -149,8 +154,8 @@ void check_broadcast_mixed(Draft& draft, TomlTable& table, std::string_view key,
 /// Windows, word orders and broadcasts of routes against the devices that they reach.
 void check_routes(Draft& draft);
 
-/// Deadlines of routes against the times of the devices that they reach.
-void check_deadlines(Draft& draft);
+/// A time that was computed, in whole milliseconds.
+std::string rounded(std::chrono::nanoseconds duration);
 
 /// Do these take a port from each other?
 bool clash(const gateway::ListenerSettings& a, const gateway::ListenerSettings& b);

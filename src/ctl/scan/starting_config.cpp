@@ -132,11 +132,11 @@ address = {}
 
 std::string route(const FoundUnit& unit) {
   const auto& found = unit.identification;
-  const bool chosen = found.likely.size() <= 1 && !word_order_unknown(found);
-  return fmt::format(
-      "[[route]]\nunit = {0}\ndevice = \"unit-{0}\"\n{1}", unit.unit,
-      chosen ? "word_order = \"big\"\n"
-             : "# word_order = \"big\"  # once the choice above is made: what the clients see\n");
+  const auto text = fmt::format("[[route]]\nunit = {0}\ndevice = \"unit-{0}\"\n", unit.unit);
+  if (found.likely.size() > 1 || word_order_unknown(found)) {
+    return text + "# word_order = \"big\"  # once the choice above is made: what the clients see\n";
+  }
+  return text + (found.word_order ? "word_order = \"big\"\n" : "");
 }
 
 /// Through a gateway, its queue would be in the times.

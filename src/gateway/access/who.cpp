@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include "gateway/access/rule_verdict.hpp"
+#include "gateway/status_unit.hpp"
 #include "gateway/writes/write_rules.hpp"
 #include "routing/route.hpp"
 
@@ -143,9 +144,13 @@ WhoAnswer who_may(const SettingsSnapshot& settings, const ClientInfo& client, st
   const routing::ClientRights rights{listener.read_only.contains(client.address, client.role)};
   const RuleVerdict verdict = verdict_on(settings, client, unit, request, nullptr);
   if (settings.settings.status_unit == unit) {
-    return verdict.permitted && rights.read_only && !modbus::is_read(request.bytes())
-               ? by_read_only(settings, client)
-               : by_verdict(verdict, client);
+    if (verdict.permitted && rights.read_only && !modbus::is_read(request.bytes())) {
+      return by_read_only(settings, client);
+    }
+    const std::uint8_t function = request.function();
+    return !verdict.permitted || function == 4 || function == 8 || function == 43
+               ? by_verdict(verdict, client)
+               : WhoAnswer{false, StatusUnit::kWhere, ": exception 01", {}};
   }
   const routing::ResolvedRoute* resolved = settings.routes.find(client.listener, unit);
   if (resolved == nullptr) {

@@ -6,7 +6,10 @@
 #include <limits>
 #include <utility>
 
-#include "config/toml/match_entry.hpp"
+#include "config/sections/sections.hpp"
+
+template <>
+inline constexpr std::string_view mbgate::config::kSection<mbgate::sim::BusSettings> = "[[bus]]";
 
 namespace mbgate::sim {
 namespace {
@@ -26,24 +29,6 @@ constexpr std::array kSeries = {Word{"st", MoonsSeries::st},   Word{"stb", Moons
                                 Word{"stf", MoonsSeries::stf}, Word{"ssdc", MoonsSeries::ssdc},
                                 Word{"m2", MoonsSeries::m2},   Word{"m3", MoonsSeries::m3},
                                 Word{"mdx", MoonsSeries::mdx}, Word{"bldc", MoonsSeries::bldc}};
-
-std::string read_name(TomlTable& table) {
-  table.require("name");
-  const auto name = table.string("name");
-  if (name && name->empty()) {
-    table.error("name", "expected a name, found an empty string");
-  }
-  return name.value_or("");
-}
-
-template <typename Named>
-void check_unique(TomlTable& table, const std::vector<Named>& earlier, const std::string& name) {
-  const bool taken = std::ranges::any_of(
-      earlier, [&name](const Named& other) { return !name.empty() && other.name == name; });
-  if (taken) {
-    table.error("name", "\"{}\" is already used", name);
-  }
-}
 
 // Serial Line V1.02: a character of RTU has 8 data bits (2.5.1), one of ASCII 7 (2.5.2); some
 // devices take 8 for ASCII too.
@@ -126,7 +111,6 @@ void read_unit(TomlTable& table, BusMode mode, std::uint8_t& address) {
 
 DeviceSettings read_device(TomlTable& table, BusMode mode) {
   DeviceSettings device;
-  device.name = read_name(table);
   read_unit(table, mode, device.address);
   read_model(table, device);
   read_times(table, device);
@@ -168,9 +152,9 @@ void read_listen(TomlTable& table, const std::vector<BusSettings>& buses, BusSet
   }
 }
 
-BusSettings read_bus(TomlTable& table, const std::vector<BusSettings>& buses) {
-  BusSettings bus{.name = read_name(table)};
-  check_unique(table, buses, bus.name);
+BusSettings read_bus(std::vector<TomlTable>& tables, const std::vector<BusSettings>& buses) {
+  TomlTable& table = tables.back();
+  BusSettings bus{.name = config::read_name(tables, buses)};
   config::assign(bus.mode, table.word<BusMode>("mode", kModes));
   if (bus.mode == BusMode::tcp || table.has("listen")) {
     read_listen(table, buses, bus);
@@ -191,28 +175,15 @@ BusSettings read_bus(TomlTable& table, const std::vector<BusSettings>& buses) {
 
 std::vector<BusSettings> read_buses(TomlTable root) {
   std::vector<BusSettings> buses;
-  for (TomlTable table : root.tables("bus")) {
-    buses.push_back(read_bus(table, buses));
+  std::vector<TomlTable> tables;
+  for (const TomlTable& table : root.tables("bus")) {
+    tables.push_back(table);
+    buses.push_back(read_bus(tables, buses));
   }
   if (buses.empty()) {
     root.document().error({}, "there is no [[bus]]: nothing to simulate");
   }
   return buses;
-}
-
-/// The bus that a device is on, nullptr if there is none.
-BusSettings* find_bus(TomlTable& table, std::vector<BusSettings>& buses) {
-  table.require("bus");
-  const auto name = table.string("bus");
-  if (!name) {
-    return nullptr;
-  }
-  const auto bus = std::ranges::find(buses, *name, &BusSettings::name);
-  if (bus == buses.end()) {
-    table.error("bus", "there is no bus \"" + *name + '"');
-    return nullptr;
-  }
-  return &*bus;
 }
 
 void place_device(TomlTable& table, const DeviceSettings& device, BusSettings& bus) {
@@ -227,13 +198,16 @@ void place_device(TomlTable& table, const DeviceSettings& device, BusSettings& b
 
 void read_devices(TomlTable root, std::vector<BusSettings>& buses) {
   std::vector<DeviceSettings> devices;
+  std::vector<TomlTable> tables;
   for (TomlTable table : root.tables("device")) {
-    BusSettings* const bus = find_bus(table, buses);
-    const DeviceSettings device = read_device(table, bus != nullptr ? bus->mode : BusMode::rtu);
-    check_unique(table, devices, device.name);
+    tables.push_back(table);
+    table.require("bus");
+    const auto bus = config::find_named(table, "bus", buses);
+    DeviceSettings device = read_device(table, bus ? buses[*bus].mode : BusMode::rtu);
+    device.name = config::read_name(tables, devices);
     devices.push_back(device);
-    if (bus != nullptr) {
-      place_device(table, device, *bus);
+    if (bus) {
+      place_device(table, device, buses[*bus]);
     }
   }
 }

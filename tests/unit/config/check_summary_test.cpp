@@ -43,5 +43,46 @@ TEST(CheckSummary, SaysHowLongWritesAndStopsWait) {
                          "once"));
 }
 
+std::string stop_of(const bus::BusSettings& bus, const std::vector<drive::Device>& devices = {}) {
+  gateway::Settings settings;
+  settings.buses = {bus};
+  settings.devices = devices;
+  const std::string text = check_summary(settings);
+  const auto from = text.find("a stop is sent ");
+  return text.substr(from, text.find('\n', from) - from);
+}
+
+TEST(CheckSummary, CountsTheTurnaroundOfABroadcastAmongWhatAStopWaitsFor) {
+  bus::BusSettings bus;
+  bus.line.baud = modbus::Baud{115200};
+  bus.timing.response_timeout = std::chrono::milliseconds(300);
+  bus.turnaround = std::chrono::milliseconds(1500);
+  // 256 characters of 11 bits take 24.44 ms, and 1.75 ms of silence.
+  EXPECT_EQ(stop_of(bus), "a stop is sent within 1527ms");
+}
+
+TEST(CheckSummary, CountsSlowRegistersAmongWhatAStopWaitsFor) {
+  bus::BusSettings bus;
+  bus.line.baud = modbus::Baud{115200};
+  drive::Device device;
+  device.timing.response_timeout = std::chrono::milliseconds(300);
+  device.profile.slow = {{{}, std::chrono::seconds(2)}};
+  EXPECT_EQ(stop_of(bus, {device}), "a stop is sent within 2047ms");
+}
+
+TEST(CheckSummary, LetsAStopWaitForAServerThatReturnsNoIdentifiersOrIsNotReady) {
+  bus::BusSettings bus;
+  bus.line.framing = bus::Framing::tcp;
+  bus.line.remote.emplace();
+  bus.check_transaction = false;
+  EXPECT_EQ(stop_of(bus), "a stop is sent within 1s");
+  bus.connect_delay = std::chrono::milliseconds(500);
+  EXPECT_EQ(stop_of(bus),
+            "a stop is sent within 1s, on a new connection after connect_delay (500ms)");
+  bus.check_transaction = true;
+  EXPECT_EQ(stop_of(bus),
+            "a stop is sent at once, on a new connection after connect_delay (500ms)");
+}
+
 }  // namespace
 }  // namespace mbgate::config

@@ -150,6 +150,28 @@ TEST(Plan, RefusesTheStatisticsOfModbusPlus) {
   EXPECT_EQ(on_the_bus(route, "08 0016 0000"), "08 00 16 00 00");
 }
 
+TEST(Plan, ANamedDiagnosticPassesAndNoOther) {
+  using routing::FunctionRules;
+  const auto denied = modbus::exception_text(1);
+  Route route = window_route();
+  route.windows.clear();
+  const std::array named = {std::pair("08 0001 0000", &FunctionRules::restart_communications),
+                            std::pair("08 0003 3B00", &FunctionRules::change_delimiter),
+                            std::pair("08 0004 0000", &FunctionRules::force_listen_only)};
+  for (const auto& [request, rule] : named) {
+    route.functions = {};
+    route.functions.allowed.set(3);
+    EXPECT_FALSE(route.functions.codes().test(8));
+    EXPECT_EQ(on_the_bus(route, request), denied);
+    route.functions.*rule = true;
+    EXPECT_TRUE(route.functions.codes().test(8));
+    for (const auto* asked : {"08 0000 0000", "08 000A 0000", "08 0001 0000", "08 0003 3B00",
+                              "08 0004 0000", "08 0015 0003"}) {
+      EXPECT_EQ(on_the_bus(route, asked) != denied, asked == std::string_view(request)) << asked;
+    }
+  }
+}
+
 // Nobody knows which it would have been.
 TEST(Plan, ADiagnosticThatEndsWithinItsSubFunctionIsMalformedAndNotForbidden) {
   Route route = window_route();
@@ -226,20 +248,22 @@ bool may_write(std::initializer_list<std::size_t> functions) {
   return route.may_write();
 }
 
-TEST(Route, LeadsToTheDevicesOfItsBusAtItsAddresses) {
-  Route route;
-  route.first_unit = 11;
-  route.last_unit = 12;
-  route.first_address = 5;
-  route.buses = {BusId{1}};
-  const auto leads_to = [&](std::uint32_t bus, std::uint8_t address) {
-    return route.leads_to({"axis", BusId{bus}, address, {}});
+TEST(Route, LeadsToTheDeviceOfItsBusAtItsAddress) {
+  routing::ResolvedRoute resolved;
+  resolved.route.first_unit = 11;
+  resolved.route.last_unit = 12;
+  resolved.route.first_address = 5;
+  resolved.route.buses = {BusId{1}};
+  const auto leads_to = [&](std::uint8_t unit, std::uint32_t bus, std::uint8_t address) {
+    return resolved.leads_to({"axis", BusId{bus}, address, {}}, unit);
   };
-  EXPECT_FALSE(leads_to(1, 4));
-  EXPECT_TRUE(leads_to(1, 5));
-  EXPECT_TRUE(leads_to(1, 6));
-  EXPECT_FALSE(leads_to(1, 7));
-  EXPECT_FALSE(leads_to(0, 5));
+  EXPECT_TRUE(leads_to(11, 1, 5));
+  EXPECT_FALSE(leads_to(11, 1, 6));
+  EXPECT_TRUE(leads_to(12, 1, 6));
+  EXPECT_FALSE(leads_to(11, 0, 5));
+  resolved.devices_of_buses.emplace_back();
+  EXPECT_TRUE(leads_to(11, 1, 6));
+  EXPECT_FALSE(leads_to(11, 0, 5));
 }
 
 TEST(Route, MayWriteByWhateverIsNoRead) {

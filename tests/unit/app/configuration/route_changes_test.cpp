@@ -38,7 +38,8 @@ TEST(RouteChanges, SayWhatItWasAndWhatItIs) {
   auto& route = next.routes[0];
   route.device = 1;
   route.access = routing::Access::read_only;
-  route.functions.allowed.reset().set(3).set(6);
+  route.functions = {};
+  route.functions.allowed.set(3).set(6);
   route.windows = {{modbus::Table::holding_registers, 0, 4, modbus::Table::holding_registers, 100}};
   route.word_order = drive::WordOrder::little;
   route.deadline = 200ms;
@@ -48,6 +49,17 @@ TEST(RouteChanges, SayWhatItWasAndWhatItIs) {
           "route of unit 11: device axis-x -> device axis-y, access read-write -> read-only, "
           "functions all -> 3 6, registers all -> holding 0..3=holding 100, word_order - -> "
           "little, deadline - -> 200ms"));
+}
+
+TEST(RouteChanges, NameDiagnosticsThatPassByThemselves) {
+  auto next = routed();
+  auto& functions = next.routes[0].functions = {};
+  functions.change_delimiter = functions.force_listen_only = true;
+  EXPECT_THAT(route_changes(routed(), next),
+              ElementsAre("route of unit 11: functions all -> 8/3 8/4"));
+  functions.allowed.set(3).set(8);  // 8 has 8/3 too where no line is ASCII
+  EXPECT_THAT(route_changes(routed(), next),
+              ElementsAre("route of unit 11: functions all -> 3 8 8/4"));
 }
 
 TEST(RouteChanges, NameWhatComesAndGoes) {

@@ -129,7 +129,8 @@ TEST_F(Drives, HearBroadcastsOnSerialLinesOnly) {
 }
 
 std::string server_with(const std::string& keys, const std::string& address) {
-  return "[[listen]]\nname = \"plant\"\naddress = \"127.0.0.1\"\nport = 0\nbus = \"cell\"\n"
+  return "[gateway]\nunit = 1\n[[listen]]\nname = \"plant\"\naddress = \"127.0.0.1\"\nport = 0\n"
+         "bus = \"cell\"\n"
          "[[bus]]\nname = \"cell\"\nmode = \"tcp\"\nhost = \"192.168.10.20\"\n" +
          keys + "\n[[device]]\nname = \"axis\"\nbus = \"cell\"\n" + address + "\n";
 }
@@ -163,6 +164,10 @@ TEST(Routes, ToAsciiLinesNameWhatSetsAnotherDelimiter) {
   };
   EXPECT_TRUE(passes("rtu", ""));
   EXPECT_TRUE(passes("rtu", "functions = [8]"));
+  EXPECT_TRUE(passes("rtu", "functions = [3, \"8/3\"]"));
+  EXPECT_FALSE(passes("rtu", "functions = [3]"));
+  EXPECT_FALSE(
+      passes("rtu", "[[route.registers]]\ntable = \"coils\"\nfrom = 0\ncount = 1\nto = 0"));
   EXPECT_FALSE(passes("ascii", ""));
   EXPECT_FALSE(passes("ascii", "functions = [8]"));
   EXPECT_TRUE(passes("ascii", "functions = [3, \"8/3\"]"));

@@ -109,7 +109,6 @@ profile = "generic"
 [[route]]
 unit = 32
 device = "unit-32"
-word_order = "big"
 )");
 }
 

@@ -46,6 +46,16 @@ TEST_F(Who, WithoutRulesIsPermittedByNone) {
   EXPECT_EQ(may("192.0.2.1", 255, "04 0000 0001"), "permitted: there are no rules");
 }
 
+TEST_F(Who, AsksTheGatewayItselfForItsStatusOnly) {
+  constexpr auto kDenied =
+      "denied: the unit is the gateway itself, with its status in input registers (function 4): "
+      "exception 01";
+  for (const auto* pdu : {kWrite, kRead, "10 0010 0001 02 0001", "11"}) {
+    EXPECT_EQ(may("192.0.2.1", 255, pdu), kDenied);
+  }
+  EXPECT_EQ(may("192.0.2.1", 255, "2B 0E 01 00"), "permitted: there are no rules");
+}
+
 TEST_F(Who, IsRefusedByAllowAndByRulesThatDoNotKnowTheAddress) {
   settings_.listeners[0].allow = {*routing::Network::parse("192.0.2.0/24")};
   add_rule(true, "a:1");

@@ -106,7 +106,7 @@ response_wait = "1.5ms"
 sim.toml:3:8: error: baud: expected an integer from 1 to 4294967295, found 0
 baud = 0
        ^
-sim.toml:6:7: error: bus: there is no bus "b"
+sim.toml:6:7: error: bus: no [[bus]] is named "b"
 bus = "b"
       ^
 sim.toml:7:11: error: address: expected an integer from 1 to 247, found 248
@@ -115,7 +115,7 @@ address = 248
 sim.toml:8:9: error: model: expected "moons", "stepper", "aic" or "fda6000", found "steper"; did you mean 'stepper'?
 model = "steper"
         ^
-sim.toml:10:8: error: name: "x" is already used
+sim.toml:10:8: error: name: "x" is already used at sim.toml:5:8
 name = "x"
        ^
 sim.toml:14:14: error: word_order: belongs to a "moons" drive
@@ -156,7 +156,7 @@ bus = "a"
 address = 1
 model = "stepper"
 )"),
-            R"(sim.toml:5:8: error: name: "a" is already used
+            R"(sim.toml:5:8: error: name: "a" is already used at sim.toml:2:8
 name = "a"
        ^
 sim.toml:6:8: error: link: "l" is already used
