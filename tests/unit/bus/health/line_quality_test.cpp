@@ -230,6 +230,8 @@ TEST_F(LineQuality, AnotherDeviceIsJudgedAnewAndTheLineWithoutTheOneBefore) {
   answers(2, 1, 5);
   answers(3, 1, 0);
   quality_.forget(3);
+  answers(4, 1, 5);
+  quality_.forget(4);
   ASSERT_EQ(quality_.verdict().quality, Quality::bad_crc);
   quality_.forget(1);
   EXPECT_EQ(verdict().quality, Quality::unknown);
