@@ -142,17 +142,17 @@ void tell_journal_of_wrong_configuration() {
 }
 
 Result<RecordingBegun, std::string> begin_recording(const Options& options,
-                                                    std::vector<gateway::ConfigFile> config,
+                                                    std::vector<report::ConfigFile> config,
                                                     const std::string& version) {
   auto file = create_recording(recording_path(*options.record, std::getenv("STATE_DIRECTORY")));
   if (!file) {
     return file.error();
   }
-  gateway::RecordingHead head;
+  report::RecordingHead head;
   head.version = version;
   head.profiles = options.profiles ? std::filesystem::absolute(*options.profiles).string() : "";
   head.config = std::move(config);
-  return RecordingBegun{*std::move(file), gateway::head_lines(head)};
+  return RecordingBegun{*std::move(file), report::head_lines(head)};
 }
 
 /// What --check says of a configuration without errors. The exit status.

@@ -42,8 +42,8 @@ std::string recording_failure(const fs::path& file, int error) {
           "name a FILE without a folder, which goes to the state directory, /var/lib/mbgate"));
 }
 
-std::vector<gateway::ConfigFile> recorded_files(const std::vector<config::TextFile>& files) {
-  std::vector<gateway::ConfigFile> recorded;
+std::vector<report::ConfigFile> recorded_files(const std::vector<config::TextFile>& files) {
+  std::vector<report::ConfigFile> recorded;
   recorded.reserve(files.size());
   for (const auto& file : files) {
     recorded.push_back({fs::absolute(file.name).string(), file.text});

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "config/text_file.hpp"
-#include "gateway/recording/record.hpp"
 #include "modbus/result.hpp"
+#include "report/recording/record.hpp"
 #include "sys/unique_fd.hpp"
 
 namespace mbgate::app {
@@ -28,6 +28,6 @@ Result<sys::UniqueFd, std::string> create_recording(const std::filesystem::path&
 std::string recording_failure(const std::filesystem::path& file, int error);
 
 /// The files of a configuration as a recording holds them: with paths that hold everywhere.
-std::vector<gateway::ConfigFile> recorded_files(const std::vector<config::TextFile>& files);
+std::vector<report::ConfigFile> recorded_files(const std::vector<config::TextFile>& files);
 
 }  // namespace mbgate::app

@@ -44,7 +44,7 @@ namespace mbgate::app {
 /// A configuration, and its files if a recording needs them.
 struct Configuration {
   config::Loaded loaded;
-  std::vector<gateway::ConfigFile> files;
+  std::vector<report::ConfigFile> files;
   std::string digest{};    ///< config_digest()
   std::string digested{};  ///< digest_command()
   io::LoadedTls tls{};     ///< if there are settings

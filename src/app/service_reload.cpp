@@ -184,7 +184,7 @@ bool Service::change(const Configuration& read) {
   auto changes = changes_between(before, next);
   std::ranges::move(certificates_.changes(read.tls.contexts), std::back_inserter(changes));
   use_certificates(read.tls.contexts, next);
-  driver_.reload(*read.loaded.settings, gateway::config_lines(read.files));
+  driver_.reload(*read.loaded.settings, report::config_lines(read.files));
   control_.set_end(io::end_of_client_descriptors(next));
   if (!(before.http == next.http)) {
     http_.reload(next.http);

@@ -7,7 +7,7 @@
 // - the output of mbgatectl check and mbgated --check: load, check_summary; printed by
 //   ctl/request/carry_out, app/mbgated.
 // - which files the configuration has: text_file; how they become one: toml/toml_document; their
-//   digest: app/configuration/digest; in a recording: ConfigFile in gateway/recording/record.
+//   digest: app/configuration/digest; in a recording: ConfigFile in report/recording/record.
 // - which listeners are refused because they would let everyone in: an address:
 //   sections/listener_section; a socket from systemd: io/clients/listening_socket.
 // - deadlines: the defaults, and which are too short: gateway/limits, checks/whole_checks.

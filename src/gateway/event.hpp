@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The events that an operator may want to know about. They are plain values; only app/log writes
-// them to the journal.
+// The events that an operator may want to know about. They are plain values: report/event_text
+// words them, and only app/journal writes them to the journal.
 #pragma once
 
 #include <bitset>
@@ -34,15 +34,13 @@ struct Asked : Asker {
   std::vector<std::uint8_t> pdu{};
 };
 
-Asker asker_of(const ClientInfo& client);
-Asked asked_of(const ClientInfo& client, const modbus::MbapAdu& adu);
-
-/// ` (role "operator", certificate "panel 3")`; of a client without a certificate nothing.
-std::string identity_text(const Asker& asker);
-
-/// "function 16 at unit 1, holding registers 100..103 = 5 0 0 7": the addresses are those of the
-/// client, the values decimal, and not more of them than an operator can make use of.
-std::string request_text(const Asked& asked);
+inline Asker asker_of(const ClientInfo& client) {
+  return {client.listener, client.address, client.role};
+}
+inline Asked asked_of(const ClientInfo& client, const modbus::MbapAdu& adu) {
+  const modbus::Bytes pdu = adu.pdu.bytes();
+  return {asker_of(client), adu.header.unit, {pdu.begin(), pdu.end()}};
+}
 
 enum class RefusalReason : std::uint8_t {
   not_allowed,   ///< not in the listener's allow list
@@ -195,8 +193,5 @@ using Event =
                  Reconfigured, WriteEndedEarly, WordOrderDiffers, DeviceNews, QualityNews,
                  FailsafeNews, UnitNotRouted, ReadDenied, WriteDenied, StopDenied, WriteAccepted,
                  BroadcastLeavesOut, CountersCleared, ClientLoggedIn>;
-
-/// One line for the journal. The names are taken from the settings.
-std::string to_text(const Event& event, const Settings& settings);
 
 }  // namespace mbgate::gateway

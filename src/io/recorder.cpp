@@ -68,17 +68,17 @@ void Recorder::write_until_closed(const std::shared_ptr<Shared>& shared) {
   shared->ended.notify_one();
 }
 
-void Recorder::begin(gateway::Instant start) { gateway::append_start(noted_, start); }
+void Recorder::begin(gateway::Instant start) { report::append_start(noted_, start); }
 
 void Recorder::note(const gateway::Input& input, gateway::Instant at) {
   if (!ended_) {
-    gateway::append_line(noted_, input, at);
+    report::append_line(noted_, input, at);
   }
 }
 
 void Recorder::note(const gateway::Action& action, const gateway::Settings& settings) {
   if (!ended_) {
-    gateway::append_line(noted_, action, settings);
+    report::append_line(noted_, action, settings);
   }
 }
 
@@ -114,7 +114,7 @@ void Recorder::give(Shared& shared) {
 
 void Recorder::end(const std::string& why) {
   if (!ended_) {
-    gateway::append_end(noted_, why);
+    report::append_end(noted_, why);
     ended_ = true;
   }
 }

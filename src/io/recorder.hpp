@@ -10,7 +10,7 @@
 #include <memory>
 #include <string>
 
-#include "gateway/recording/record.hpp"
+#include "report/recording/record.hpp"
 #include "sys/unique_fd.hpp"
 
 namespace mbgate::io {

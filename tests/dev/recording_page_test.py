@@ -39,7 +39,7 @@ class Page(unittest.TestCase):
             self.assertEqual(replays, 2)
 
     def test_the_tables_know_every_word(self):
-        source = (ROOT / "src/gateway/recording/record.cpp").read_text(encoding="utf-8")
+        source = (ROOT / "src/report/recording/record.cpp").read_text(encoding="utf-8")
         for of, table in ("input", "kInputWords"), ("action", "kActionWords"):
             written = set(re.findall(r'"([a-z]+)"', re.search(rf"{table}\{{(.*?)\}};", source, re.DOTALL)[1]))
             self.assertGreater(len(written), 5, of)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the machine wants done, and whether it may want that.
 #include "fuzz/driver.hpp"
+#include "report/event_text.hpp"
 
 namespace mbgate::fuzz {
 
@@ -64,7 +65,7 @@ void Driver::take(const gateway::Shut& action) {
 }
 
 void Driver::take(const gateway::Report& action) {
-  require(!gateway::to_text(action.event, harness_.settings()).empty(), "an event has a text");
+  require(!report::to_text(action.event, harness_.settings()).empty(), "an event has a text");
 }
 
 void Driver::take(const gateway::Finished& /*action*/) {

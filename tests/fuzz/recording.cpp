@@ -7,7 +7,7 @@
 
 #include "ctl/replay/replay.hpp"
 #include "fuzz/fuzz.hpp"
-#include "gateway/recording/record.hpp"
+#include "report/recording/record.hpp"
 
 namespace mbgate::fuzz::recording_target {
 namespace {
@@ -25,20 +25,20 @@ std::size_t count_of(std::string_view text, std::string_view word) {
 
 void check_line(const std::string& line) {
   std::vector<std::uint8_t> storage;
-  const auto parsed = gateway::parse_line(line, storage);
+  const auto parsed = report::parse_line(line, storage);
   require(parsed || !parsed.error().empty(), "a line that is none says why");
   if (!parsed || std::holds_alternative<gateway::SettingsChanged>(parsed->input)) {
     return;
   }
   std::string once;
-  gateway::append_line(once, parsed->input, parsed->at);
+  report::append_line(once, parsed->input, parsed->at);
   require(once.ends_with('\n') && count_of(once, "\n") == 1, "an input is a line");
   once.pop_back();
   std::vector<std::uint8_t> again_storage;
-  const auto again = gateway::parse_line(once, again_storage);
+  const auto again = report::parse_line(once, again_storage);
   require(again.has_value(), "what was written is read");
   std::string twice;
-  gateway::append_line(twice, again->input, again->at);
+  report::append_line(twice, again->input, again->at);
   twice.pop_back();
   require(once == twice, "and written as before");
 }

@@ -4,8 +4,8 @@
 #include <map>
 #include <numeric>
 
-#include "gateway/status/diagnosis.hpp"
 #include "judge/drill.hpp"
+#include "report/findings/diagnosis.hpp"
 
 namespace mbgate::judge {
 namespace {
@@ -172,7 +172,7 @@ void drill_quiet(Drill& drill, bool trace) {
     drill.wait(drill.random().duration(0ms, 1s));
   }
   const auto status = drill.world().gateway().report_status(10s, drill.now());
-  for (const gateway::Diagnosis& it : gateway::diagnose(status)) {
+  for (const report::Diagnosis& it : report::diagnose(status)) {
     drill.expect("finding", false, it.subject + ": " + it.finding);
   }
   drill.equal("audited", count_of<gateway::WriteAccepted>(drill), std::size_t{2 * kPolls});

@@ -8,6 +8,7 @@
 
 #include "gateway/action.hpp"
 #include "modbus/describe.hpp"
+#include "report/event_text.hpp"
 
 namespace mbgate::test {
 
@@ -32,7 +33,9 @@ struct ActionText {
            modbus::describe_rtu({a.frame.data(), a.frame.size()}, modbus::Direction::request);
   }
   std::string operator()(const gateway::Shut& a) const { return bus(a.bus) + ": close the line"; }
-  std::string operator()(const gateway::Report& a) const { return to_text(a.event, settings); }
+  std::string operator()(const gateway::Report& a) const {
+    return report::to_text(a.event, settings);
+  }
   std::string operator()(const gateway::Finished& /*a*/) const { return "finished"; }
 
  private:

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "report/event_text.hpp"
 #include "support/gateway_harness.hpp"
 #include "support/hex.hpp"
 
@@ -145,7 +146,7 @@ class MachineRig {
   }
   void take(const gateway::Open& /*action*/) { opened.push_back(now()); }
   void take(const gateway::Report& action) {
-    events.push_back(gateway::to_text(action.event, harness.settings()));
+    events.push_back(report::to_text(action.event, harness.settings()));
   }
   void take(const gateway::Finished& /*action*/) { finished = true; }
 

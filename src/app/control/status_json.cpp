@@ -7,7 +7,7 @@
 #include "app/control/control_answers.hpp"
 #include "app/text.hpp"
 #include "config/toml/match_entry.hpp"
-#include "gateway/status/diagnosis.hpp"
+#include "report/findings/diagnosis.hpp"
 
 namespace mbgate::app {
 namespace {
@@ -162,7 +162,7 @@ object client_json(const gateway::ClientStatus& client) {
           {"refused", client.refused}};
 }
 
-object diagnosis_json(const gateway::Diagnosis& diagnosis) {
+object diagnosis_json(const report::Diagnosis& diagnosis) {
   return {{"subject", diagnosis.subject},
           {"finding", diagnosis.finding},
           {"evidence", diagnosis.evidence},
@@ -191,7 +191,7 @@ object status_json(const gateway::StatusReport& report, const ProcessStatus& pro
           {"requests", report.counters.requests},
           {"foreign_adus", report.counters.foreign_adus},
           {"framing_lost", report.counters.framing_lost},
-          {"diagnoses", array_of(gateway::diagnose(report), diagnosis_json)},
+          {"diagnoses", array_of(report::diagnose(report), diagnosis_json)},
           {"buses", array_of(report.buses, bus_json)},
           {"devices",
            array_of(report.devices,

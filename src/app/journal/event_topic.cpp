@@ -6,6 +6,8 @@
 #include <type_traits>
 #include <variant>
 
+#include "report/event_text.hpp"
+
 namespace mbgate::app {
 namespace {
 
@@ -217,7 +219,7 @@ Level level_of(const gateway::Event& event) {
 }
 
 void write_event(Log& log, const gateway::Event& event, const gateway::Settings& settings) {
-  const std::string text = to_text(event, settings);
+  const std::string text = report::to_text(event, settings);
   const Topic topic = topic_of(event, settings);
   if (std::holds_alternative<gateway::WriteAccepted>(event)) {
     log.write_unobserved(level_of(event), text, topic);

@@ -2,7 +2,7 @@
 // Sends entries to systemd's journal.
 //
 // To change
-// - a line in the journal: its text: gateway/text; the priority and the rate of its event:
+// - a line in the journal: its text: report/event_text; the priority and the rate of its event:
 //   event_topic; writing it: app/log; its fields, and sending it to systemd: journal.
 #pragma once
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "app/metrics/metric_book.hpp"
-#include "gateway/status/diagnosis.hpp"
+#include "report/findings/diagnosis.hpp"
 
 namespace mbgate::app {
 namespace {
@@ -39,7 +39,7 @@ void add_process(MetricBook& book, const gateway::StatusReport& report,
     }
   }
   book.gauge({"mbgate_diagnoses", "Faults found at present: see mbgatectl status."}, {},
-             gateway::diagnose(report).size());
+             report::diagnose(report).size());
   book.counter({"mbgate_foreign_adus_total", "Skipped ADUs of other protocols than Modbus."}, {},
                report.counters.foreign_adus);
   book.counter({"mbgate_framing_lost_total",

@@ -11,6 +11,7 @@
 #include "config/toml/match_entry.hpp"
 #include "modbus/describe.hpp"
 #include "modbus/mbap.hpp"
+#include "report/trace_text.hpp"
 
 namespace mbgate::app {
 namespace {
@@ -64,13 +65,13 @@ object wire_json(const WireTrace& wire, const Clock& clock) {
               {"address", wire.address},
               {"framing", config::word_for(config::kFramings, wire.framing)},
               {"sent", nullptr},
-              {"outcome", to_text(wire.outcome)},
+              {"outcome", report::to_text(wire.outcome)},
               {"ended_at", clock.at(wire.ended_at)},
               {"response", nullptr}};
   if (wire.outcome != WireTrace::Outcome::unasked) {
     json["sent"] = object{{"at", clock.at(wire.sent_at)},
                           {"bytes", modbus::hex(wire.frame)},
-                          {"text", sent_text(wire)}};
+                          {"text", report::sent_text(wire)}};
     json["try"] = wire.tries;
     json["shared_by"] = wire.shared_by;
     json["silence_ms"] = silence_json(wire);
@@ -81,7 +82,7 @@ object wire_json(const WireTrace& wire, const Clock& clock) {
     return object{{"at", clock.at(part.at)}, {"bytes", modbus::hex(part.bytes)}};
   });
   json["heard_not_kept"] = wire.not_kept;
-  json["heard_text"] = heard_text(wire);
+  json["heard_text"] = report::heard_text(wire);
   if (wire.response) {
     json["response"] = modbus::hex(*wire.response);
   }
@@ -170,7 +171,7 @@ object trace_json(const gateway::TraceRecord& record, system_clock::time_point e
     add_asked(json, *record.asked, clock);
     json["ended"] = nullptr;
     if (record.ended_as) {
-      json["ended"] = gateway::to_text(*record.ended_as, !record.wire.empty());
+      json["ended"] = report::to_text(*record.ended_as, !record.wire.empty());
     }
   }
   json["wire"] = array_of(record.wire, [&](const WireTrace& it) { return wire_json(it, clock); });

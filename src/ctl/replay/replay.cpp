@@ -8,7 +8,7 @@
 
 #include "config/load.hpp"
 #include "gateway/gateway.hpp"
-#include "gateway/recording/record.hpp"
+#include "report/recording/record.hpp"
 
 namespace mbgate::ctl {
 namespace {
@@ -49,7 +49,7 @@ class RecordedLines {
 };
 
 /// What is wrong with the head, or nothing.
-std::string read_head(RecordedLines& lines, gateway::HeadReader& reader) {
+std::string read_head(RecordedLines& lines, report::HeadReader& reader) {
   while (lines.next()) {
     const auto complete = reader.read(lines.line());
     if (!complete) {
@@ -64,7 +64,7 @@ std::string read_head(RecordedLines& lines, gateway::HeadReader& reader) {
 
 /// Reads a configuration as the recorded gateway did. Nothing if it is not valid here; `error` says
 /// why.
-std::optional<gateway::Settings> load(const std::vector<gateway::ConfigFile>& files,
+std::optional<gateway::Settings> load(const std::vector<report::ConfigFile>& files,
                                       const config::ProfileSearch& search, std::string& error) {
   if (files.empty()) {
     error = "expected a configuration before the new settings";
@@ -107,7 +107,7 @@ class Player {
 
   /// What is wrong with the line, or nothing. A difference is put into the outcome.
   std::string play(const RecordedLines& lines) {
-    if (!gateway::is_action_line(lines.line())) {
+    if (!report::is_action_line(lines.line())) {
       return feed(lines);
     }
     compare(lines);
@@ -133,7 +133,7 @@ class Player {
     if (config_.read(line)) {
       return {};
     }
-    const auto recorded = gateway::parse_line(line, storage_);
+    const auto recorded = report::parse_line(line, storage_);
     if (!recorded) {
       return recorded.error();
     }
@@ -178,7 +178,7 @@ class Player {
   }
   std::string text_of(const gateway::Action& action) {
     std::string text;
-    gateway::append_line(text, action, gateway_.settings());
+    report::append_line(text, action, gateway_.settings());
     text.pop_back();
     return text;
   }
@@ -186,7 +186,7 @@ class Player {
   gateway::Instant at_;  // of the last input
   const config::ProfileSearch& search_;
   ReplayOutcome& outcome_;
-  gateway::ConfigReader config_;  // of the settings that come next
+  report::ConfigReader config_;  // of the settings that come next
   std::vector<std::uint8_t> storage_;
   std::string input_;
   bool finished_ = false;
@@ -195,12 +195,12 @@ class Player {
 /// What is wrong with the line that was read last, or nothing.
 std::string play_all(RecordedLines& lines, const std::optional<std::filesystem::path>& profiles,
                      ReplayOutcome& outcome) {
-  gateway::HeadReader reader;
+  report::HeadReader reader;
   std::string error = read_head(lines, reader);
   if (!error.empty()) {
     return error;
   }
-  const gateway::RecordingHead& head = reader.head();
+  const report::RecordingHead& head = reader.head();
   error = wrong_instant(head.start, gateway::Instant{});
   if (!error.empty()) {
     return error;
@@ -216,7 +216,7 @@ std::string play_all(RecordedLines& lines, const std::optional<std::filesystem::
   }
   Player player(*std::move(settings), head.start, search, outcome);
   while (error.empty() && !outcome.difference && lines.next()) {
-    if (gateway::is_end_line(lines.line())) {
+    if (report::is_end_line(lines.line())) {
       outcome.ended = lines.line().substr(4);
       return {};
     }

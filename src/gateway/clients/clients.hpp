@@ -9,7 +9,7 @@
 // address:
 //   address_limits.
 // - idle and frame timeouts: clients, sessions, client_session.
-// - the journal's lines about clients: their text: gateway/asked; their number, and denials:
+// - the journal's lines about clients: their text: report/asked_text; their number, and denials:
 //   gateway/access/report_limit; audit, cleared counters: requests; logins: clients.
 #pragma once
 

@@ -6,7 +6,7 @@
 // - the contents of the status: status_report; as JSON: app/control/status_json, docs/api.yaml; for
 //   people: ctl/control/status_text, which cuts it to the window too; drawn in place:
 //   ctl/control/status_command.
-// - faults, and when they are found: of a device diagnosis, of a line line_findings.
+// - faults, and when they are found: report/findings.
 // - the duration of requests: bus/durations; the state of a device, its beginning, and the
 //   transmissions unanswered since it was heard: bus/health/device_health.
 // - requests that wait for a line: bus/parts; its load, and other clients on it:

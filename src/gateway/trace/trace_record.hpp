@@ -87,18 +87,4 @@ struct TraceRecord {
   [[nodiscard]] bool is_failed() const;
 };
 
-// Describes the bytes of a trace in one line for people, with their faults.
-
-/// "answered", "no response"
-const char* to_text(WireTrace::Outcome outcome);
-/// How a request ended: "its deadline had passed", "the device is offline". `was_sent`: something
-/// of it was on the wire.
-const char* to_text(bus::Ending ending, bool was_sent);
-
-/// "unit 1: read holding registers 30..31"
-std::string sent_text(const WireTrace& wire);
-/// "2 registers: 0x0003 0x0D40", "CRC FF FF, B5 33 would be right", "nothing". On a line with an
-/// echo: "the same bytes as sent, then 1 register: 0x0003".
-std::string heard_text(const WireTrace& wire);
-
 }  // namespace mbgate::gateway

@@ -59,7 +59,7 @@ class StallingAdapter {
   }
   void take(const gateway::Open& action) { harness_.handle(gateway::LineOpened{action.bus}); }
   void take(const gateway::Report& action) {
-    events.push_back(gateway::to_text(action.event, harness_.settings()));
+    events.push_back(report::to_text(action.event, harness_.settings()));
   }
   template <typename Other>
   void take(const Other& /*action*/) {}

@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "report/event_text.hpp"
+
 namespace mbgate::app {
 namespace {
 
@@ -175,8 +177,8 @@ void expect_topics(const std::vector<Case>& cases, const std::string& subject) {
   const auto settings = settings_of_plant();
   for (const auto& [event, id] : cases) {
     const Topic topic = topic_of(event, settings);
-    EXPECT_EQ(topic.id.hex, id.hex) << to_text(event, settings);
-    EXPECT_EQ(subject_of(topic), subject) << to_text(event, settings);
+    EXPECT_EQ(topic.id.hex, id.hex) << report::to_text(event, settings);
+    EXPECT_EQ(subject_of(topic), subject) << report::to_text(event, settings);
   }
 }
 

@@ -12,7 +12,7 @@
 
 #include "config/load.hpp"
 #include "ctl/request/carry_out.hpp"
-#include "gateway/recording/record.hpp"
+#include "report/recording/record.hpp"
 #include "support/gateway_harness.hpp"
 #include "support/hex.hpp"
 
@@ -28,7 +28,7 @@ std::string recorded_plant(const std::string& bus) {
          "\"\ndevice = \"/dev/ttyS0\"\n";
 }
 
-using Files = std::vector<gateway::ConfigFile>;
+using Files = std::vector<report::ConfigFile>;
 
 gateway::Settings settings_of(const Files& files) {
   std::vector<config::TextFile> read;
@@ -41,12 +41,12 @@ gateway::Settings settings_of(const Files& files) {
 class Recording {
  public:
   explicit Recording(const Files& config) : harness_(settings_of(config), Instant{1s}) {
-    text_ = gateway::head_lines({"0", "", config, Instant{1s}});
-    gateway::append_start(text_, Instant{1s});
+    text_ = report::head_lines({"0", "", config, Instant{1s}});
+    report::append_start(text_, Instant{1s});
     drain();
   }
   void input(const gateway::Input& input, Instant now) {
-    gateway::append_line(text_, input, now);
+    report::append_line(text_, input, now);
     harness_.handle(input, now);
     drain();
   }
@@ -55,7 +55,7 @@ class Recording {
  private:
   void drain() {
     harness_.drain([this](const gateway::Action& action) {
-      gateway::append_line(text_, action, harness_.settings());
+      report::append_line(text_, action, harness_.settings());
     });
   }
   test::GatewayHarness harness_;
@@ -71,7 +71,7 @@ gateway::ClientConnected a_client() {
 Recording with_other_settings() {
   const Files next{{"test.toml", "gateway.unit = 254\n" + recorded_plant("line-b") + "[http]"},
                    {"conf.d/own.toml", "[gateway]\nlock_memory = false\n"}};
-  const std::string lines = gateway::config_lines(next);
+  const std::string lines = report::config_lines(next);
   const gateway::Settings settings = settings_of(next);
   const auto request = test::unhex("0001 0000 0006 01 03 0000 0001");
   Recording recording({{"test.toml", recorded_plant("line-a")}});

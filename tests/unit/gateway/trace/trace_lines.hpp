@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "gateway/trace/trace_record.hpp"
+#include "report/trace_text.hpp"
 #include "support/machine_rig.hpp"
 
 namespace mbgate::test {
@@ -14,7 +14,7 @@ inline std::string text(const gateway::WireTrace& wire) {
   for (const gateway::HeardBytes& part : wire.heard) {
     all += " " + hex(part.bytes);
   }
-  return all + " " + gateway::to_text(wire.outcome);
+  return all + " " + report::to_text(wire.outcome);
 }
 
 inline std::string text(const gateway::TraceRecord& record) {

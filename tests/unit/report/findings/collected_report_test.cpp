@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the status report has for those who collect metrics.
-#include "unit/gateway/status/trouble.hpp"
+#include "unit/report/findings/trouble.hpp"
 
 namespace mbgate::test {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "gateway/status/status_report.hpp"
 
-namespace mbgate::gateway {
+namespace mbgate::report {
 
 /// How bad it is, the worst first.
 enum class Rank : std::uint8_t {
@@ -31,6 +31,6 @@ struct Diagnosis {
 /// By rank, the worst first. Of one rank lines come before devices, because they explain what
 /// devices do; then as in the report. Of a line first what explains the rest. Takes longer than the
 /// report: not for the gateway's thread.
-std::vector<Diagnosis> diagnose(const StatusReport& report);
+std::vector<Diagnosis> diagnose(const gateway::StatusReport& report);
 
-}  // namespace mbgate::gateway
+}  // namespace mbgate::report

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/status/diagnosis.hpp"
+#include "report/findings/diagnosis.hpp"
 
 #include <algorithm>
 #include <fmt/core.h>
 
 #include "base/text.hpp"
-#include "gateway/status/findings.hpp"
+#include "report/findings/findings.hpp"
 
-namespace mbgate::gateway {
+namespace mbgate::report {
 namespace {
 
 constexpr std::size_t kMostRanges = 8;  // of addresses that are named one by one
@@ -237,4 +237,4 @@ std::vector<Diagnosis> diagnose(const StatusReport& report) {
   return found;
 }
 
-}  // namespace mbgate::gateway
+}  // namespace mbgate::report

@@ -30,7 +30,12 @@
 #include "gateway/input.hpp"
 #include "modbus/result.hpp"
 
-namespace mbgate::gateway {
+namespace mbgate::report {
+
+using gateway::Action;
+using gateway::Input;
+using gateway::Instant;
+using gateway::Settings;
 
 /// A file of a configuration.
 struct ConfigFile {
@@ -100,4 +105,4 @@ struct RecordedInput {
 Result<RecordedInput, std::string> parse_line(std::string_view line,
                                               std::vector<std::uint8_t>& storage);
 
-}  // namespace mbgate::gateway
+}  // namespace mbgate::report

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Requests that fail though no line and no device is at fault.
-#include "unit/gateway/status/trouble.hpp"
+#include "unit/report/findings/trouble.hpp"
 
 namespace mbgate::test {
 namespace {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The text forms of events.
-#include "base/text.hpp"
+#include "report/event_text.hpp"
 
 #include <algorithm>
 #include <bitset>
@@ -9,12 +8,14 @@
 #include <string_view>
 #include <vector>
 
-#include "gateway/event.hpp"
-#include "gateway/status/findings.hpp"
+#include "base/text.hpp"
 #include "modbus/describe.hpp"
+#include "report/findings/findings.hpp"
 
-namespace mbgate::gateway {
+namespace mbgate::report {
 namespace {
+
+using namespace gateway;
 
 std::string left_out_text(std::uint64_t left_out, const char* what) {
   return left_out == 0
@@ -291,4 +292,4 @@ std::string to_text(const Event& event, const Settings& settings) {
   return std::visit(EventText{{settings}}, event);
 }
 
-}  // namespace mbgate::gateway
+}  // namespace mbgate::report

@@ -2,9 +2,9 @@
 // What the status says of lines, drives and clients, and what it calls wrong.
 #include <gmock/gmock.h>
 
-#include "gateway/status/diagnosis.hpp"
+#include "report/findings/diagnosis.hpp"
 #include "support/machine_rig.hpp"
-#include "unit/gateway/status/trouble.hpp"
+#include "unit/report/findings/trouble.hpp"
 
 namespace mbgate::test {
 namespace {
@@ -29,7 +29,7 @@ class StatusOfAPlant : public testing::Test {
   }
   [[nodiscard]] std::vector<std::string> diagnoses() {
     std::vector<std::string> all;
-    for (const auto& it : gateway::diagnose(report())) {
+    for (const auto& it : report::diagnose(report())) {
       all.push_back(it.subject + ": " + it.finding + " | " + it.evidence + " | " + it.look_at);
     }
     return all;
@@ -256,7 +256,7 @@ TEST_F(StatusOfAPlant, NamesForeignFramesForAWhile) {
 
 TEST_F(StatusOfAPlant, SaysNothingOfALineThatIsBeingOpenedForTheFirstTime) {
   MachineRig starting(axis_and_lift(), false);
-  EXPECT_THAT(gateway::diagnose(starting.harness.gateway().report_status(0s, starting.now())),
+  EXPECT_THAT(report::diagnose(starting.harness.gateway().report_status(0s, starting.now())),
               IsEmpty());
 }
 

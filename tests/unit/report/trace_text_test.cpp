@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "report/trace_text.hpp"
+
 #include <gtest/gtest.h>
 
-#include "gateway/trace/trace_record.hpp"
 #include "modbus/frames.hpp"
 #include "support/hex.hpp"
 
@@ -15,13 +16,13 @@ std::string heard(std::string_view bytes, bus::Framing framing = bus::Framing::r
   wire.framing = framing;
   wire.frame = unhex("01 03 00 00 00 01 84 0A");
   wire.heard.push_back({{}, unhex(bytes)});
-  return gateway::heard_text(wire);
+  return report::heard_text(wire);
 }
 
 TEST(TraceText, SaysWhatWasSent) {
   WireTrace wire;
   wire.frame = unhex("01 03 00 1E 00 02 A4 0D");
-  EXPECT_EQ(gateway::sent_text(wire), "unit 1: read holding registers 30..31");
+  EXPECT_EQ(report::sent_text(wire), "unit 1: read holding registers 30..31");
 }
 
 TEST(TraceText, SaysWhatIsWrongWithAnRtuFrame) {
@@ -44,14 +45,14 @@ TEST(TraceText, ARequestThatNobodyHereHasSentIsOne) {
   WireTrace wire;
   wire.outcome = WireTrace::Outcome::unasked;
   wire.heard.push_back({{}, unhex("01 03 00 1E 00 02 A4 0D")});
-  EXPECT_EQ(gateway::heard_text(wire), "unit 1: read holding registers 30..31");
+  EXPECT_EQ(report::heard_text(wire), "unit 1: read holding registers 30..31");
   wire.heard = {{{}, unhex("02 03 02 12 34 F1 33")}};
-  EXPECT_EQ(gateway::heard_text(wire), "unit 2: 1 register: 0x1234");
+  EXPECT_EQ(report::heard_text(wire), "unit 2: 1 register: 0x1234");
 }
 
 TEST(TraceText, SaysWhetherSomethingWasSentOfWhatWasCancelled) {
-  EXPECT_STREQ(gateway::to_text(bus::Ending::cancelled, false), "cancelled before it was sent");
-  EXPECT_STREQ(gateway::to_text(bus::Ending::cancelled, true), "cancelled before it was done");
+  EXPECT_STREQ(report::to_text(bus::Ending::cancelled, false), "cancelled before it was sent");
+  EXPECT_STREQ(report::to_text(bus::Ending::cancelled, true), "cancelled before it was done");
 }
 
 TEST(TraceText, TellsWhatWasSentFromWhatCameThen) {
@@ -65,7 +66,7 @@ TEST(TraceText, AResponseThatWasTakenIsNoEcho) {
   wire.frame = unhex("01 06 00 00 00 01 48 0A");
   wire.heard.push_back({{}, wire.frame});
   wire.response = unhex("06 00 00 00 01");
-  EXPECT_EQ(gateway::heard_text(wire), "write single register 0 done");
+  EXPECT_EQ(report::heard_text(wire), "write single register 0 done");
 }
 
 /// What is said of a write that was answered, with these bytes heard.
@@ -83,7 +84,7 @@ std::string heard_of_write(const std::vector<std::uint8_t>& bytes, bus::Framing 
   wire.heard.push_back({{}, wire.frame});
   wire.heard.push_back({{}, bytes});
   wire.response = unhex("06 00 00 00 01");
-  return gateway::heard_text(wire);
+  return report::heard_text(wire);
 }
 
 TEST(TraceText, AnEchoHasTheResponseBehindIt) {

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The text of a recording, and that a machine does the same again when it is read.
-#include "gateway/recording/record.hpp"
+#include "report/recording/record.hpp"
 
 #include <gmock/gmock.h>
 
 #include "support/machine_rig.hpp"
 
-namespace mbgate::gateway {
+namespace mbgate::report {
 namespace {
 
+using namespace gateway;
 using test::unhex;
 
 constexpr Instant kAt{Duration{1234567890123}};
@@ -210,4 +211,4 @@ TEST(Record, AMachineDoesTheSameAgain) {
 }
 
 }  // namespace
-}  // namespace mbgate::gateway
+}  // namespace mbgate::report

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Troubles that need more than silence to be told apart: echoes, two devices at one address, other
 // clients, another word order.
-#include "unit/gateway/status/trouble.hpp"
+#include "unit/report/findings/trouble.hpp"
 
 namespace mbgate::test {
 namespace {

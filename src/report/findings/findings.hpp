@@ -7,9 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "gateway/status/diagnosis.hpp"
+#include "report/findings/diagnosis.hpp"
 
-namespace mbgate::gateway {
+namespace mbgate::report {
+
+using gateway::BusStatus;
+using gateway::DeviceStatus;
+using gateway::Duration;
+using gateway::StatusReport;
 
 /// "19200 baud 8E1"
 std::string mode_text(const BusStatus& bus);
@@ -71,4 +76,4 @@ Together together(const StatusReport& report, std::size_t bus);
 /// Adds what is wrong with the bus.
 void diagnose_bus(const BusStatus& bus, const Together& all, std::vector<Diagnosis>& found);
 
-}  // namespace mbgate::gateway
+}  // namespace mbgate::report

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Drives and lines that say nothing: which of them, since when, and why that may be.
-#include "unit/gateway/status/trouble.hpp"
+#include "unit/report/findings/trouble.hpp"
 
 namespace mbgate::test {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "gateway/event.hpp"
+#include "report/event_text.hpp"
 #include "support/hex.hpp"
 
-namespace mbgate::gateway {
+namespace mbgate::report {
 namespace {
 
 using routing::ClientRole;
@@ -58,4 +58,4 @@ TEST(AskedText, LetsNoNameWriteOverTheTerminal) {
 }
 
 }  // namespace
-}  // namespace mbgate::gateway
+}  // namespace mbgate::report

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Troubles that change: silence between damaged answers, an echo that is gone, another device at an
 // address. What is said must be true of now.
-#include "unit/gateway/status/trouble.hpp"
+#include "unit/report/findings/trouble.hpp"
 
 namespace mbgate::test {
 namespace {

@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "base/text.hpp"
-#include "gateway/status/findings.hpp"
+#include "report/findings/findings.hpp"
 
-namespace mbgate::gateway {
+namespace mbgate::report {
 namespace {
 
 // A line is asked for too much if it is hardly ever idle, and half of the requests wait for long.
@@ -162,4 +162,4 @@ void diagnose_bus(const BusStatus& bus, const Together& all, std::vector<Diagnos
   }
 }
 
-}  // namespace mbgate::gateway
+}  // namespace mbgate::report

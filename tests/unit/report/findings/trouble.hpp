@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-#include "gateway/status/diagnosis.hpp"
+#include "report/findings/diagnosis.hpp"
 #include "support/machine_rig.hpp"
 
 namespace mbgate::test {
@@ -36,7 +36,7 @@ class Trouble {
   }
   [[nodiscard]] Lines diagnoses(bool with_clients = true) {
     Lines all;
-    for (const auto& it : gateway::diagnose(report(with_clients))) {
+    for (const auto& it : report::diagnose(report(with_clients))) {
       all.push_back(it.subject + ": " + it.finding + " | " + it.evidence + " | " + it.look_at);
     }
     return all;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gateway/status/findings.hpp"
+#include "report/findings/findings.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
 
-namespace mbgate::gateway {
+namespace mbgate::report {
 namespace {
 
 // So many transmissions in a row, of so many requests, are unanswered before it is said: one
@@ -159,4 +159,4 @@ Together together(const StatusReport& report, std::size_t bus) {
   return all;
 }
 
-}  // namespace mbgate::gateway
+}  // namespace mbgate::report

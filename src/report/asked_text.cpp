@@ -3,13 +3,14 @@
 #include <fmt/core.h>
 #include <string_view>
 
-#include "gateway/event.hpp"
 #include "gateway/limits.hpp"
 #include "modbus/describe.hpp"
+#include "report/event_text.hpp"
 
-namespace mbgate::gateway {
+namespace mbgate::report {
 namespace {
 
+using namespace gateway;
 using modbus::Bytes;
 
 /// What could write over other lines or colour a terminal is replaced: the name in a certificate is
@@ -74,13 +75,6 @@ std::string registers_text(const modbus::Request& request) {
 
 }  // namespace
 
-Asker asker_of(const ClientInfo& client) { return {client.listener, client.address, client.role}; }
-
-Asked asked_of(const ClientInfo& client, const modbus::MbapAdu& adu) {
-  const Bytes pdu = adu.pdu.bytes();
-  return {asker_of(client), adu.header.unit, {pdu.begin(), pdu.end()}};
-}
-
 std::string identity_text(const Asker& asker) {
   using Kind = routing::ClientRole::Kind;
   std::string text;
@@ -106,4 +100,4 @@ std::string request_text(const Asked& asked) {
   return text + (has_registers ? registers_text(*request) : data_text(bytes));
 }
 
-}  // namespace mbgate::gateway
+}  // namespace mbgate::report

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lines that are asked for more than they can carry, and who does that.
-#include "unit/gateway/status/trouble.hpp"
+#include "unit/report/findings/trouble.hpp"
 
 namespace mbgate::test {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The lines of inputs and actions. visit_fields() describes them for reading and writing alike. The
 // text that is read comes from outside: every line is checked whole.
-#include "gateway/recording/record.hpp"
+#include "report/recording/record.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,9 +12,12 @@
 
 #include "base/text.hpp"
 #include "gateway/limits.hpp"
+#include "report/event_text.hpp"
 
-namespace mbgate::gateway {
+namespace mbgate::report {
 namespace {
+
+using namespace gateway;
 
 /// In the order of the variant; then that of a line which its far end has closed.
 constexpr std::array kInputWords{"connected", "read",   "sent",     "fin",    "gone", "opened",
@@ -293,4 +296,4 @@ Result<RecordedInput, std::string> parse_line(std::string_view line,
   return recorded;
 }
 
-}  // namespace mbgate::gateway
+}  // namespace mbgate::report

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "report/trace_text.hpp"
+
 #include <algorithm>
 #include <array>
 #include <fmt/core.h>
 
-#include "gateway/trace/trace_record.hpp"
 #include "modbus/describe.hpp"
 #include "modbus/response.hpp"
 
-namespace mbgate::gateway {
+namespace mbgate::report {
 namespace {
 
+using namespace gateway;
 using modbus::Bytes;
 using modbus::Direction;
 
@@ -137,4 +139,4 @@ std::string heard_text(const WireTrace& wire) {
   return text + (rest.empty() ? "nothing" : frame_text(wire, rest, Direction::response));
 }
 
-}  // namespace mbgate::gateway
+}  // namespace mbgate::report

@@ -4,9 +4,9 @@
 #include <fmt/core.h>
 
 #include "base/text.hpp"
-#include "gateway/recording/record.hpp"
+#include "report/recording/record.hpp"
 
-namespace mbgate::gateway {
+namespace mbgate::report {
 namespace {
 
 /// Takes `key` and a space off the front of the line.
@@ -89,4 +89,4 @@ Result<bool, std::string> HeadReader::read(std::string_view line) {
   return false;
 }
 
-}  // namespace mbgate::gateway
+}  // namespace mbgate::report
