@@ -172,12 +172,16 @@ void Bus::give_up(Instant now) {
 }
 
 std::optional<Wake> Bus::next_wake() const {
-  const auto line = parts_.link.is_open() ? parts_.line.next_deadline() : std::nullopt;
-  std::optional<Wake> first = dispatch_.next_wake();
-  for (const auto& at : {parts_.link.next_attempt(), parts_.queue.first_deadline(), line}) {
-    first = earlier(first, wake_at(at));
+  Wake first = dispatch_.next_wake().value_or(Wake{Instant::max()});
+  const auto take = [&first](const std::optional<Instant>& at) {
+    first = at && !is_before(first, {*at}) ? Wake{*at} : first;
+  };
+  take(parts_.link.next_attempt());
+  take(parts_.queue.first_deadline());
+  if (parts_.link.is_open()) {
+    take(parts_.line.next_deadline());
   }
-  return first && first->at < Instant::max() ? first : std::nullopt;
+  return first.at < Instant::max() ? std::optional(first) : std::nullopt;
 }
 
 void Bus::clear_counters() {

@@ -45,7 +45,7 @@ class Request {
 
   [[nodiscard]] const Pdu& pdu() const { return pdu_; }
   [[nodiscard]] std::uint8_t function() const { return pdu_.function(); }
-  [[nodiscard]] bool is_read() const { return modbus::is_read(pdu_.bytes()); }
+  [[nodiscard]] bool is_read() const { return is_read_; }
   /// What the request reads from a table: 01-04, 23, 24 (only the pointer register of 24).
   [[nodiscard]] const std::optional<AddressField>& reads() const { return reads_; }
   /// What it writes to a table: 05, 06, 15, 16, 22, 23.
@@ -59,7 +59,7 @@ class Request {
                                        std::optional<std::uint16_t> write_first) const;
 
  private:
-  explicit Request(const Pdu& pdu) : pdu_(pdu) {}
+  explicit Request(const Pdu& pdu) : pdu_(pdu), is_read_(modbus::is_read(pdu.bytes())) {}
   std::optional<ExceptionCode> parse_fields();
   std::optional<ExceptionCode> parse_reads(Table table, std::uint16_t limit);
   /// One register or coil, in a request of a fixed size.
@@ -69,6 +69,7 @@ class Request {
   std::optional<ExceptionCode> parse_read_write();
 
   Pdu pdu_;
+  bool is_read_;
   std::optional<AddressField> reads_;
   std::optional<AddressField> writes_;
 };

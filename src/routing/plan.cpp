@@ -107,7 +107,7 @@ Result<Plan, ExceptionCode> Plan::make_denied(const ResolvedRoute& resolved, std
 // One object is returned, and built where it is needed: a plan is large.
 Result<Plan, ExceptionCode> Plan::make(const ResolvedRoute& resolved, std::uint8_t unit,
                                        const Request& client_request) {
-  Result<Plan, ExceptionCode> made{Plan(client_request)};
+  Result<Plan, ExceptionCode> made{boost::system::in_place_value, client_request};
   if (const auto error = made->fill(resolved, unit)) {
     made = *error;
   }

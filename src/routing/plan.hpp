@@ -45,6 +45,8 @@ constexpr Reply::Form data_form(modbus::Table table) {
 
 class Plan {
  public:
+  /// Without its transactions: make() adds them.
+  explicit Plan(const modbus::Request& request) : client_request_(request) {}
   /// Errors: 01 if the route, the client's rights or the drive deny it; 02 outside every window; 03
   /// malformed, over a limit, or cuts a value.
   static Result<Plan, modbus::ExceptionCode> make(const ResolvedRoute& resolved, std::uint8_t unit,
@@ -69,7 +71,6 @@ class Plan {
   [[nodiscard]] std::uint8_t function() const { return client_request_.function(); }
 
  private:
-  explicit Plan(const modbus::Request& request) : client_request_(request) {}
   static Result<Plan, modbus::ExceptionCode> make(const ResolvedRoute& resolved, std::uint8_t unit,
                                                   const modbus::Request& client_request);
   std::optional<modbus::ExceptionCode> fill(const ResolvedRoute& resolved, std::uint8_t unit);

@@ -31,12 +31,8 @@ DeviceTable::DeviceTable(const BusSettings& settings, std::span<const drive::Dev
   update(settings, devices);
 }
 
-DeviceEntry& DeviceTable::operator[](std::uint8_t address) {
-  std::unique_ptr<DeviceEntry>& entry = entries_.at(address);
-  if (!entry) {
-    entry = std::make_unique<DeviceEntry>(unused_);
-  }
-  return *entry;
+DeviceEntry& DeviceTable::begin(std::uint8_t address) {
+  return *(entries_.at(address) = std::make_unique<DeviceEntry>(unused_));
 }
 
 Addresses DeviceTable::update(const BusSettings& settings, std::span<const drive::Device> devices) {

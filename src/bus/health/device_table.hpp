@@ -123,7 +123,10 @@ class DeviceTable {
   /// New devices, or new settings of them. What is known of their addresses is kept, but not what
   /// is shown of those that have a device of another name now, or none any more. Returns these.
   Addresses update(const BusSettings& settings, std::span<const drive::Device> devices);
-  [[nodiscard]] DeviceEntry& operator[](std::uint8_t address);
+  [[nodiscard]] DeviceEntry& operator[](std::uint8_t address) {
+    const auto& entry = entries_.at(address);
+    return entry ? *entry : begin(address);
+  }
   [[nodiscard]] const DeviceEntry& operator[](std::uint8_t address) const {
     const auto& entry = entries_.at(address);
     return entry ? *entry : unused_;
@@ -155,6 +158,9 @@ class DeviceTable {
   void clear_counters();
 
  private:
+  /// An address is used for the first time.
+  DeviceEntry& begin(std::uint8_t address);
+
   drive::Device other_;
   DeviceEntry unused_;  // what an address begins with: broadcasts are writes to it too
   std::vector<drive::Device> devices_;

@@ -95,6 +95,9 @@ Job* Scheduler::next_repeated(Passing passing, Instant now) const {
 // those to other devices pass. While lost time is paid back, writes to devices that do not answer
 // are the last of their class.
 std::optional<Scheduler::Choice> Scheduler::next_waiting(Passing passing, Instant now) const {
+  if (parts_.queue.size() == 0) {
+    return std::nullopt;
+  }
   const Instant soonest = std::max(now, parts_.line.ready_at(Duration{0}));
   std::optional<Choice> best;
   std::bitset<kAddresses> claimed;  // by jobs that wait for what is in flight to their device
@@ -150,12 +153,14 @@ bool Scheduler::may_join(const Job& job) const {
   });
 }
 
-Instant held_until(const Parts& parts, const Job& job) {
+namespace {
+
+// `next`: the transaction that is transmitted when the turn of the job has come.
+Instant held_until(const Parts& parts, const Job& job, std::size_t next) {
   const Duration recently = parts.settings.timing.probe_interval;
   if (job.is_stop()) {
     return is_given_up(parts, job) ? parts.payback.until(job.address(), recently) : Instant::min();
   }
-  const std::size_t next = next_transaction(parts, job);
   const Transaction& transaction = job.transactions[next];
   const DeviceEntry& entry = parts.devices[transaction.address];
   const bool repeats_read =
@@ -169,17 +174,24 @@ Instant held_until(const Parts& parts, const Job& job) {
              : free;
 }
 
+}  // namespace
+
+Instant held_until(const Parts& parts, const Job& job) {
+  return held_until(parts, job, next_transaction(parts, job));
+}
+
 bool is_held_back(const Parts& parts, const Job& job, Instant now) {
-  return !job.transactions[next_transaction(parts, job)].is_broadcast() &&
-         held_until(parts, job) > now;
+  const std::size_t next = next_transaction(parts, job);
+  return !job.transactions[next].is_broadcast() && held_until(parts, job, next) > now;
 }
 
 Wake ready_at(const Parts& parts, const Job& job) {
   if (job.is_stop()) {
     return {parts.line.ready_for_stop_at(), true};
   }
-  const Transaction& transaction = job.transactions[next_transaction(parts, job)];
-  const Instant held = held_until(parts, job);
+  const std::size_t next = next_transaction(parts, job);
+  const Transaction& transaction = job.transactions[next];
+  const Instant held = held_until(parts, job, next);
   const bool is_broadcast = transaction.is_broadcast();
   const drive::DeviceTiming& timing =
       is_broadcast ? parts.settings.timing : parts.devices[transaction.address].in_force();

@@ -155,7 +155,7 @@ void Clients::handle_deadline(Instant now) {
 
 void Clients::set_phase(Phase phase) {
   intake_.set_phase(phase);
-  for (const ClientSession& session : sessions_.open()) {
+  for (ClientSession& session : sessions_.open()) {
     for (const std::uint32_t held : session.held) {
       exchanges_.cancel(held);  // what no bus has yet
     }

@@ -112,9 +112,9 @@ void Sessions::sweep() {
 
 ClientSession* Sessions::take_ready() {
   while (!ready_.empty()) {
-    const ClientId client = ready_.back();
+    ClientSession* const session = ready_.back();
     ready_.pop_back();
-    if (ClientSession* session = find(client)) {
+    if (!session->is_closed) {
       return session;
     }
   }

@@ -116,7 +116,7 @@ class Sessions {
   /// nullptr if it is closed or was never there.
   [[nodiscard]] ClientSession* find(ClientId client);
   void close(ClientSession& session);
-  /// Removes those that were closed. To be called when none of them is in use.
+  /// Removes those that were closed. To be called when none of them is in use, nor ready.
   void sweep();
   /// How many are open.
   [[nodiscard]] std::size_t size() const { return sessions_.size() - closed_.size(); }
@@ -133,7 +133,7 @@ class Sessions {
   [[nodiscard]] const routing::ClientAddress* address_of(bus::FairnessKey key) const;
 
   /// Something may be done for the client.
-  void wake(const ClientSession& session) { ready_.push_back(session.id()); }
+  void wake(ClientSession& session) { ready_.push_back(&session); }
   /// The last one that was woken and is still open; nullptr if there is none.
   ClientSession* take_ready();
 
@@ -171,7 +171,7 @@ class Sessions {
   const Settings* settings_;
   std::unordered_map<ClientId, ClientSession> sessions_;
   std::vector<ClientId> closed_;
-  std::vector<ClientId> ready_;
+  std::vector<ClientSession*> ready_;
   std::set<std::pair<Instant, ClientId>> timers_;  // one for each client that has one
   std::vector<ListenerCounters> counters_;
   std::map<ClientKey, Address> addresses_;

@@ -9,10 +9,10 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <new>
 #include <optional>
+#include <ranges>
 #include <span>
 #include <vector>
 
@@ -32,7 +32,7 @@ class Pool {
  public:
   std::uint32_t take() {
     if (free_.empty()) {
-      objects_.emplace_back();
+      objects_.push_back(std::make_unique<Object>());
       return static_cast<std::uint32_t>(objects_.size() - 1);
     }
     const std::uint32_t index = free_.back();
@@ -40,18 +40,21 @@ class Pool {
     return index;
   }
   void give_back(std::uint32_t index) {
-    Object* const object = &objects_[index];
+    Object* const object = objects_[index].get();
     std::destroy_at(object);
     ::new (static_cast<void*>(object)) Object;
     free_.push_back(index);
   }
-  Object& operator[](std::uint32_t index) { return objects_[index]; }
+  Object& operator[](std::uint32_t index) { return *objects_[index]; }
   /// All objects; those that are not in use are as new.
-  [[nodiscard]] const auto& all() const { return objects_; }
+  [[nodiscard]] auto all() const {
+    return objects_ |
+           std::views::transform([](const auto& object) -> const Object& { return *object; });
+  }
   [[nodiscard]] std::size_t in_use() const { return objects_.size() - free_.size(); }
 
  private:
-  std::deque<Object> objects_;
+  std::vector<std::unique_ptr<Object>> objects_;
   std::vector<std::uint32_t> free_;
 };
 
