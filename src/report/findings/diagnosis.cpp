@@ -10,6 +10,8 @@
 namespace mbgate::report {
 namespace {
 
+using namespace gateway;
+
 constexpr std::size_t kMostRanges = 8;  // of addresses that are named one by one
 
 using Devices = std::vector<const DeviceStatus*>;

@@ -7,6 +7,8 @@
 namespace mbgate::report {
 namespace {
 
+using namespace gateway;
+
 // So many transmissions in a row, of so many requests, are unanswered before it is said: one
 // request alone with its repetitions may be a disturbance.
 constexpr unsigned kUnansweredInRow = 3;

@@ -9,6 +9,8 @@
 namespace mbgate::report {
 namespace {
 
+using namespace gateway;
+
 // A line is asked for too much if it is hardly ever idle, and half of the requests wait for long.
 constexpr unsigned kFullLoad = 95;
 constexpr unsigned kLeastWaits = 4;

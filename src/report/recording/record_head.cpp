@@ -81,7 +81,7 @@ Result<bool, std::string> HeadReader::read(std::string_view line) {
       return std::string(start ? "expected the configuration before the start"
                                : "expected an instant in nanoseconds before \"start\"");
     }
-    head_.start = Instant(Duration(*start));
+    head_.start = Instant(gateway::Duration(*start));
     return true;
   } else {
     return fmt::format("expected a line of the configuration or the start, found \"{}\"", line);
