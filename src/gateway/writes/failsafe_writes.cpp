@@ -234,7 +234,7 @@ void FailsafeWrites::send_at_exit(Instant now) {
   }
 }
 
-// What is due begins anew, because the writes may be others now.
+// What is due begins anew where the writes, or their line, are others now.
 void FailsafeWrites::adopt(const SettingsSnapshot& before) {
   const SettingsSnapshot& next = settings_.in_force();
   const auto& devices = next.settings.devices;
@@ -246,15 +246,22 @@ void FailsafeWrites::adopt(const SettingsSnapshot& before) {
   }
   for (auto& [place, watch] : old) {
     const drive::Device& device = before.settings.devices[place];
-    const auto due = watch.due;
-    abandon(watch);
     const auto same = place_of_same_drive(before.settings, place, next.settings);
     const auto known = same ? watches_.find(*same) : watches_.end();
+    const bool goes_on =
+        known != watches_.end() && devices[*same].bus == device.bus &&
+        keeps_line(before.settings, next.settings, device.bus) &&
+        std::ranges::equal(before.guard(place).failsafe, next.guard(*same).failsafe, {},
+                           &modbus::Request::pdu, &modbus::Request::pdu);
+    const auto due = watch.due;
+    if (!goes_on) {
+      abandon(watch);
+    }
     if (!same && watch.writer) {
       report(device, watch, FailsafeOutcome::device_gone);
     } else if (known != watches_.end()) {
       known->second = watch;
-      if (due) {
+      if (due && !goes_on) {
         begin(known->first, known->second, *due);
       }
     }

@@ -7,9 +7,13 @@
 namespace mbgate::test {
 namespace {
 
+using testing::AllOf;
 using testing::Each;
 using testing::ElementsAre;
+using testing::Ge;
 using testing::IsEmpty;
+using testing::Le;
+using testing::SizeIs;
 
 class FailsafeReload : public testing::Test {
  protected:
@@ -60,6 +64,17 @@ TEST_F(FailsafeReload, DueWritesStayDueWhileTheLineIsReplaced) {
   EXPECT_THAT(answer_all(rig_), IsEmpty());
   rig_.open_line();
   EXPECT_THAT(answer_all(rig_, 3s), ElementsAre(kStop1, kSecond));
+}
+
+TEST_F(FailsafeReload, ADriveThatDoesNotAnswerIsAskedNoMoreOftenForIt) {
+  rig_.disconnect(1);
+  rig_.advance(kGrace + 20s);
+  take_requests(rig_);
+  for (int reload = 0; reload < 100; ++reload) {
+    rig_.reload(watched_plant());
+    rig_.advance(100ms);
+  }
+  EXPECT_THAT(take_requests(rig_), SizeIs(AllOf(Ge(8), Le(12))));  // two writes each 2 s
 }
 
 TEST_F(FailsafeReload, WhatIsUnderWayBeginsAnewWithTheNewWrites) {
