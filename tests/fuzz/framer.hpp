@@ -13,7 +13,9 @@ namespace mbgate::fuzz {
 class FramerScript {
  public:
   FramerScript(bus::Framing framing, Script script)
-      : script_(script), framer_(settings(framing), kTiming, counters_) {}
+      : script_(script),
+        is_ascii_(framing == bus::Framing::ascii),
+        framer_(settings(framing), kTiming, counters_) {}
 
   void run() {
     const std::uint8_t address = script_.byte();
@@ -124,8 +126,19 @@ class FramerScript {
       require(++strays <= bus::kMostUnsolicited, "strays are bounded");
     }
   }
+  /// CR or LF alone may end a frame of ASCII.
+  [[nodiscard]] bool was_heard(bus::FrameBytes frame) const {
+    if (is_ascii_) {
+      frame.pop_back();
+      if (is_in_heard(frame)) {
+        return true;
+      }
+      frame.back() = '\n';
+    }
+    return is_in_heard(frame);
+  }
   /// Hexadecimal characters may be small.
-  [[nodiscard]] bool was_heard(const bus::FrameBytes& frame) const {
+  [[nodiscard]] bool is_in_heard(const bus::FrameBytes& frame) const {
     const auto same = [](std::uint8_t heard, std::uint8_t sent) {
       return heard == sent || (sent >= 'A' && sent <= 'F' && heard == sent + ('a' - 'A'));
     };
@@ -144,6 +157,7 @@ class FramerScript {
   }
 
   Script script_;
+  bool is_ascii_;
   bus::BusCounters counters_;
   bus::Framer framer_;
   std::optional<bus::Transaction> transaction_;

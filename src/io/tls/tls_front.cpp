@@ -138,7 +138,7 @@ void TlsFront::judge_again(ListenerContexts contexts) {
   boost::asio::post(io_, [this, contexts = std::move(contexts)]() mutable {
     contexts_.swap(contexts);
     for (const auto& [listener, old] : contexts) {
-      const auto is_old = [&old = old](const auto& it) { return it.second == old; };
+      const auto is_old = [&context = old](const auto& it) { return it.second == context; };
       if (std::ranges::none_of(contexts_, is_old)) {
         old->drop_key();
       }
