@@ -30,12 +30,6 @@ constexpr std::array<CrcTable, 4> make_tables() {
 constexpr auto kTables = make_tables();
 
 constexpr std::string_view kDigits = "0123456789ABCDEF";
-constexpr std::uint8_t kCarriageReturn = '\r';
-
-void append_byte(AsciiBytes& frame, std::uint8_t byte) {
-  frame.push_back(static_cast<std::uint8_t>(kDigits[byte >> 4U]));
-  frame.push_back(static_cast<std::uint8_t>(kDigits[byte & 0xFU]));
-}
 
 bool is_framed(Bytes frame) {
   return frame.size() >= kMinAsciiSize && frame.size() <= kMaxAsciiSize && frame.size() % 2 == 1 &&
@@ -93,7 +87,8 @@ AsciiBytes encode_ascii(std::uint8_t address, const Pdu& pdu) {
   content.push_back(lrc({content.data(), content.size()}));
   AsciiBytes frame{kAsciiStart};
   for (const std::uint8_t byte : content) {
-    append_byte(frame, byte);
+    frame.push_back(static_cast<std::uint8_t>(kDigits[byte >> 4U]));
+    frame.push_back(static_cast<std::uint8_t>(kDigits[byte & 0xFU]));
   }
   frame.push_back(kCarriageReturn);
   frame.push_back(kAsciiEnd);

@@ -61,6 +61,7 @@ inline constexpr std::size_t kMinAsciiSize = kAsciiFraming + 2 * kMinAsciiConten
 inline constexpr std::size_t kMaxAsciiSize = kAsciiFraming + 2 * kMaxAsciiContent;  // 513
 
 inline constexpr std::uint8_t kAsciiStart = ':';
+inline constexpr std::uint8_t kCarriageReturn = '\r';  ///< before the end
 inline constexpr std::uint8_t kAsciiEnd = '\n';
 
 using AsciiBytes = boost::container::static_vector<std::uint8_t, kMaxAsciiSize>;

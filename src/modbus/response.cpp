@@ -88,34 +88,19 @@ const Function& function_of(std::uint8_t code) {
 
 // 20: of each group a length, the reference type and as many registers as were asked for; the
 // request names them in sub-requests of seven bytes (6.14).
-constexpr std::size_t kRecordRequest = 7;
-constexpr std::size_t kFileReferenceType = 6;
-
-std::size_t file_group_size(Bytes request, std::size_t sub_request) {
-  return std::size_t{2} + std::size_t{load_be16(request, sub_request + 5)} * 2U;
-}
-
-std::size_t file_record_size(Bytes request) {
-  std::size_t size = 2;
-  for (std::size_t at = 2; at < request.size(); at += kRecordRequest) {
-    size += file_group_size(request, at);
-  }
-  return size;
-}
-
 bool fits_file_record(Bytes request, Bytes response) {
-  if (response.size() != file_record_size(request)) {
-    return false;
-  }
+  constexpr std::size_t kRecordRequest = 7;
+  constexpr std::size_t kFileReferenceType = 6;
   std::size_t group = 2;
   for (std::size_t at = 2; at < request.size(); at += kRecordRequest) {
-    const std::size_t size = file_group_size(request, at);
-    if (response[group] != size - 1 || response[group + 1] != kFileReferenceType) {
+    const std::size_t size = std::size_t{2} + std::size_t{load_be16(request, at + 5)} * 2U;
+    if (response.size() < group + size || response[group] != size - 1 ||
+        response[group + 1] != kFileReferenceType) {
       return false;
     }
     group += size;
   }
-  return true;
+  return response.size() == group;
 }
 
 // 24: the byte count counts the FIFO count and the registers behind it (6.18).
@@ -144,23 +129,11 @@ PduLength expected_response_length(const Request& request) {
     case 0x03:
     case 0x04:
     case 0x17: return known(2U + std::size_t{request.reads()->range.count} * 2U);
-    case 0x05:
-    case 0x06:
-    case 0x0F:
-    case 0x10:
-    case 0x0B: return known(5);
-    case 0x07: return known(2);
     case 0x08:
-    case 0x15:
-    case 0x16: return known(request.pdu().size());
-    case 0x0C:
-    case 0x11:
-    case 0x14:
-    case 0x18: return {Kind::need_more};
-    case 0x2B:
-      return {request.pdu().bytes()[1] == kReadDeviceIdentification ? Kind::need_more
-                                                                    : Kind::opaque};
-    default: return {Kind::opaque};
+    case 0x15: return known(request.pdu().size());
+    case 0x2B: return identification(request.pdu().bytes().first(2));
+    // The others do not depend on what was asked: their function code says all that is known.
+    default: return response_length(request.pdu().bytes().first(1));
   }
 }
 

@@ -17,6 +17,7 @@ struct PduLength {
   };
   Kind kind;
   std::size_t bytes = 0;
+  friend bool operator==(const PduLength&, const PduLength&) = default;
 };
 
 /// The length of the response that begins with `prefix` (function code first, not empty).
