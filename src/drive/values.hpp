@@ -88,10 +88,15 @@ class ValueSet {
     });
     return found == values_.end() || found->table != table ? nullptr : &*found;
   }
-  [[nodiscard]] bool any_in(const TableRange& range) const {
-    const Value* value = from(range.table, range.first);
-    return value != nullptr && value->first < end_of(range);
+  /// Those with a register in the range.
+  [[nodiscard]] std::span<const Value> in(const TableRange& range) const {
+    const Value* const first = from(range.table, range.first);
+    const Value* const all_end = values_.data() + values_.size();
+    const auto is_in = [&](const Value& it) { return overlap(it.range(), range); };
+    return first == nullptr ? std::span<const Value>()
+                            : std::span(first, std::find_if_not(first, all_end, is_in));
   }
+  [[nodiscard]] bool any_in(const TableRange& range) const { return !in(range).empty(); }
   [[nodiscard]] const std::vector<Value>& all() const { return values_; }
   friend bool operator==(const ValueSet&, const ValueSet&) = default;
 
@@ -133,13 +138,10 @@ class WordExchange {
   WordExchange() = default;
   /// For the registers of `range`; a value that `range` cuts is left alone.
   WordExchange(const ValueSet& values, const TableRange& range) {
-    const Value* value = values.from(range.table, range.first);
-    while (value != nullptr && value->first < end_of(range)) {
-      if (value->first >= range.first && value->end() <= end_of(range)) {
-        places_.push_back(
-            {static_cast<std::uint16_t>(value->first - range.first), value->registers});
+    for (const Value& value : values.in(range)) {
+      if (value.first >= range.first && value.end() <= end_of(range)) {
+        places_.push_back({static_cast<std::uint16_t>(value.first - range.first), value.registers});
       }
-      value = values.from(range.table, value->end());
     }
   }
 

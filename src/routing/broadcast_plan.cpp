@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <functional>
 
 #include "routing/device_plan.hpp"
 
@@ -57,19 +58,8 @@ bool is_meant(const Receivers& receivers, BroadcastForm form) {
 }
 
 bool same_values(const Device& a, const Device& b, const TableRange& range) {
-  const drive::Value* one = a.profile.values.from(range.table, range.first);
-  const drive::Value* other = b.profile.values.from(range.table, range.first);
-  const auto within = [&](const drive::Value* value) {
-    return value != nullptr && value->first < drive::end_of(range);
-  };
-  while (within(one) && within(other)) {
-    if (one->first != other->first || one->registers != other->registers) {
-      return false;
-    }
-    one = a.profile.values.from(range.table, one->end());
-    other = b.profile.values.from(range.table, other->end());
-  }
-  return within(one) == within(other);
+  return std::ranges::equal(a.profile.values.in(range), b.profile.values.in(range), {},
+                            &drive::Value::range, &drive::Value::range);
 }
 
 // What a value's words mean must be the same for all who hear them.
@@ -100,10 +90,13 @@ struct Sent {
 };
 using AllSent = boost::container::small_vector<Sent, 2>;
 
-Receivers everyone(const AllSent& sent) {
+// `form`: who hears this one.
+Receivers everyone(const AllSent& sent, std::optional<BroadcastForm> form = std::nullopt) {
   Receivers all;
   for (const Sent& it : sent) {
-    all.insert(all.end(), it.receivers.begin(), it.receivers.end());
+    if (!form || it.frame.broadcast == form) {
+      all.insert(all.end(), it.receivers.begin(), it.receivers.end());
+    }
   }
   return all;
 }
@@ -137,17 +130,10 @@ bool reconfigures_any(const ResolvedRoute& resolved, const Receivers& receivers,
 }
 
 // Does the register mean the same to all who hear this form? A profile says what registers mean.
-bool mean_the_same(const AllSent& sent, BroadcastForm form) {
-  const std::string* name = nullptr;
-  for (const Sent& it : sent) {
-    for (const Device* device : it.receivers) {
-      if (*it.frame.broadcast == form && name != nullptr && *name != device->profile.name) {
-        return false;
-      }
-      name = *it.frame.broadcast == form ? &device->profile.name : name;
-    }
-  }
-  return true;
+bool mean_the_same(const AllSent& sent, std::optional<BroadcastForm> form) {
+  const auto name_of = [](const Device* it) -> const std::string& { return it->profile.name; };
+  const Receivers all = everyone(sent, form);
+  return std::ranges::adjacent_find(all, std::ranges::not_equal_to(), name_of) == all.end();
 }
 
 // Has every device of these buses the registers, and with one meaning?
@@ -161,7 +147,7 @@ std::optional<ExceptionCode> misunderstanding(const ResolvedRoute& resolved, con
     }
   }
   const bool alike = std::ranges::all_of(
-      sent, [&](const Sent& it) { return mean_the_same(sent, *it.frame.broadcast); });
+      sent, [&](const Sent& it) { return mean_the_same(sent, it.frame.broadcast); });
   return alike ? std::nullopt : std::optional(ExceptionCode::illegal_data_value);
 }
 
