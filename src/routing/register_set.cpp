@@ -1,102 +1,79 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <boost/container/small_vector.hpp>
+#include <ranges>
 
 #include "routing/access_rules.hpp"
 
 namespace mbgate::routing {
 namespace {
 
-using drive::Device;
+using drive::end_of;
 using modbus::Table;
 using modbus::TableRange;
 
-// The two registers of a position.
-constexpr std::uint16_t kPositionRegisters = 2;
-
-Table table_in(const Device* device, Table table) {
-  return device == nullptr ? table : device->profile.described_in(table);
-}
-
-template <typename Visit>
-void visit_communication(const TouchedRegisters& touched, Visit visit) {
-  std::ranges::for_each(touched.device->profile.communication, visit);
-  if (touched.reconfigures) {
-    std::ranges::for_each(touched.device->profile.guarded, visit, &drive::GuardedWrite::range);
+// Every part of the set that this device has, under the tables by which its profile describes them.
+boost::container::small_vector<RegisterSpan, 64> parts_of(const RegisterSet& set,
+                                                          const TouchedRegisters& touched) {
+  boost::container::small_vector<RegisterSpan, 64> parts(set.spans.begin(), set.spans.end());
+  if (touched.device == nullptr) {
+    return parts;
   }
-}
-
-template <typename Visit>
-void visit_motion(const drive::Profile& profile, Visit visit) {
-  for (const drive::Value& value : profile.values.all()) {
-    if (value.motion) {
-      visit(value.range());
-    }
-  }
-  if (const auto& opcodes = profile.position_opcodes) {
-    visit(TableRange{Table::holding_registers, opcodes->address, 1});
-    visit(TableRange{Table::holding_registers, opcodes->position, kPositionRegisters});
-  }
-  for (const drive::WriteMatch& stop : profile.stops) {
-    visit(TableRange{stop.table, stop.address, 1});
-  }
-}
-
-// Every part of the set that this device has, with the address behind its end.
-template <typename Visit>
-void visit_parts(const RegisterSet& set, const TouchedRegisters& touched, Visit visit) {
-  for (const RegisterSpan& span : set.spans) {
-    visit(span.table, span.first, span.last + 1U);
-  }
-  const auto visit_range = [&](const TableRange& range) {
-    visit(range.table, range.first, drive::end_of(range));
+  const drive::Profile& profile = touched.device->profile;
+  const auto add = [&](const TableRange& range) {
+    parts.push_back({range.table, range.first, static_cast<std::uint16_t>(end_of(range) - 1)});
   };
-  if (touched.device != nullptr && set.motion_commands) {
-    visit_motion(touched.device->profile, visit_range);
+  for (const drive::Value& value : profile.values.all()) {
+    if (set.values || (set.motion_commands && value.motion)) {
+      add(value.range());
+    }
   }
-  if (touched.device != nullptr && set.communication_registers) {
-    visit_communication(touched, visit_range);
+  if (set.motion_commands) {
+    if (const auto& opcodes = profile.position_opcodes) {
+      add({Table::holding_registers, opcodes->address, 1});
+      add({Table::holding_registers, opcodes->position, 2});
+    }
+    for (const drive::WriteMatch& stop : profile.stops) {
+      add({stop.table, stop.address, 1});
+    }
   }
-  if (touched.device != nullptr && set.values) {
-    std::ranges::for_each(touched.device->profile.values.all(), visit_range, &drive::Value::range);
+  if (set.communication_registers) {
+    std::ranges::for_each(profile.communication, add);
+    if (touched.reconfigures) {
+      std::ranges::for_each(profile.guarded, add, &drive::GuardedWrite::range);
+    }
   }
+  for (RegisterSpan& part : parts) {
+    part.table = profile.described_in(part.table);
+  }
+  return parts;
 }
 
-// How far the set goes on from `address`; no further than `address` if it is not in it.
-std::uint32_t reach_from(const RegisterSet& set, const TouchedRegisters& touched, Table table,
-                         std::uint32_t address) {
-  std::uint32_t reach = address;
-  visit_parts(set, touched, [&](Table of, std::uint32_t first, std::uint32_t end) {
-    if (table_in(touched.device, of) == table && first <= address) {
-      reach = std::max(reach, end);
-    }
-  });
-  return reach;
+TableRange described(const TouchedRegisters& touched) {
+  TableRange range = *touched.range;
+  range.table =
+      touched.device == nullptr ? range.table : touched.device->profile.described_in(range.table);
+  return range;
 }
 
 }  // namespace
 
 bool RegisterSet::covers(const TouchedRegisters& touched) const {
-  const Table table = table_in(touched.device, touched.range->table);
-  std::uint32_t address = touched.range->first;
-  while (address < drive::end_of(*touched.range)) {
-    const std::uint32_t reach = reach_from(*this, touched, table, address);
-    if (reach == address) {
-      return false;
-    }
-    address = reach;
-  }
-  return true;
+  const auto parts = parts_of(*this, touched);
+  const TableRange range = described(touched);
+  const auto is_named = [&](std::uint32_t address) {
+    return std::ranges::any_of(parts, [&](const RegisterSpan& it) {
+      return it.table == range.table && it.first <= address && address <= it.last;
+    });
+  };
+  return std::ranges::all_of(std::views::iota(std::uint32_t{range.first}, end_of(range)), is_named);
 }
 
 bool RegisterSet::touches(const TouchedRegisters& touched) const {
-  const TableRange& range = *touched.range;
-  const Table table = table_in(touched.device, range.table);
-  bool found = false;
-  visit_parts(*this, touched, [&](Table of, std::uint32_t first, std::uint32_t end) {
-    found = found || (table_in(touched.device, of) == table && first < drive::end_of(range) &&
-                      range.first < end);
+  const TableRange range = described(touched);
+  return std::ranges::any_of(parts_of(*this, touched), [&](const RegisterSpan& it) {
+    return it.table == range.table && it.first < end_of(range) && range.first <= it.last;
   });
-  return found;
 }
 
 bool RegisterSet::contains(const RegisterSet& other) const {
