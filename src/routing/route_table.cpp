@@ -22,19 +22,16 @@ RouteTable::RouteTable(std::span<const ListenerKind> listeners, std::span<const 
                        std::span<const drive::Device> devices)
     : devices_(devices) {
   for (std::size_t listener = 0; listener < listeners.size(); ++listener) {
-    Units units;
-    units.fill(kNone);
+    Units units{};
     if (listeners[listener].bus) {
       add_transparent(listeners[listener], units);
     } else {
-      for (const Route& route : routes) {
-        if (!route.listener) {
-          add(route, units);
-        }
-      }
-      for (const Route& route : routes) {
-        if (route.listener == ListenerId(static_cast<std::uint32_t>(listener))) {
-          add(route, units);
+      const ListenerId id{static_cast<std::uint32_t>(listener)};
+      for (const auto named : {std::optional<ListenerId>(), std::optional(id)}) {
+        for (const Route& route : routes) {
+          if (route.listener == named) {
+            add(route, units);
+          }
         }
       }
     }
@@ -69,7 +66,6 @@ void RouteTable::add(const Route& route, Units& units) {
   if (route.buses.empty()) {
     return;  // to all buses of a gateway that has none
   }
-  const auto index = static_cast<Index>(routes_.size());
   ResolvedRoute& resolved = routes_.emplace_back();
   resolved.route = route;
   if (route.device) {
@@ -85,7 +81,7 @@ void RouteTable::add(const Route& route, Units& units) {
                            [this](BusId bus) { return devices_on(bus); });
   }
   for (std::size_t unit = route.first_unit; unit <= route.last_unit; ++unit) {
-    units.at(unit) = index;
+    units.at(unit) = &resolved;
   }
 }
 
@@ -103,12 +99,9 @@ BusDevices RouteTable::devices_on(BusId bus) const {
 // all, so that only a client who may broadcast there gets a route.
 void RouteTable::guard_broadcast_address(Units& units) {
   for (std::size_t unit = 0; unit < units.size(); ++unit) {
-    if (units[unit] == kNone) {
-      continue;
-    }
-    const ResolvedRoute& resolved = routes_[static_cast<std::size_t>(units[unit])];
-    if (const auto form = own_form_at(resolved, unit)) {
-      units[unit] = route_of_form(resolved, units[0], *form);
+    const ResolvedRoute* resolved = units[unit];
+    if (const auto form = resolved == nullptr ? std::nullopt : own_form_at(*resolved, unit)) {
+      units[unit] = route_of_form(*resolved, units[0], *form);
     }
   }
 }
@@ -127,18 +120,16 @@ std::optional<drive::BroadcastForm> RouteTable::own_form_at(const ResolvedRoute&
   return hearer == devices_.end() ? std::nullopt : hearer->profile.broadcast.form;
 }
 
-RouteTable::Index RouteTable::route_of_form(const ResolvedRoute& resolved, Index broadcast,
-                                            drive::BroadcastForm form) {
+const ResolvedRoute* RouteTable::route_of_form(const ResolvedRoute& resolved,
+                                               const ResolvedRoute* broadcast,
+                                               drive::BroadcastForm form) {
   const BusId bus = resolved.route.buses.front();
-  if (broadcast == kNone) {
-    return kNone;
+  if (broadcast == nullptr || !broadcast->is_broadcast() ||
+      std::ranges::count(broadcast->route.buses, bus) == 0) {
+    return nullptr;
   }
-  const ResolvedRoute& to_all = routes_[static_cast<std::size_t>(broadcast)];
-  const Route& all = to_all.route;
-  if (!to_all.is_broadcast() || std::ranges::find(all.buses, bus) == all.buses.end()) {
-    return kNone;
-  }
-  ResolvedRoute only = resolved;
+  const Route& all = broadcast->route;
+  ResolvedRoute& only = routes_.emplace_back(resolved);
   Route& route = only.route;
   if (all.access == Access::read_only) {  // both must allow it
     route.access = Access::read_only;
@@ -148,20 +139,18 @@ RouteTable::Index RouteTable::route_of_form(const ResolvedRoute& resolved, Index
   route.broadcast_mixed = all.broadcast_mixed;
   only.devices_of_buses = {devices_on(bus)};
   only.only_form = form;
-  routes_.push_back(std::move(only));
-  return static_cast<Index>(routes_.size() - 1);
+  return &only;
 }
 
 const ResolvedRoute* RouteTable::find(ListenerId listener, std::uint8_t unit) const {
-  const Index index = listeners_[static_cast<std::size_t>(listener)][unit];
-  return index == kNone ? nullptr : &routes_[static_cast<std::size_t>(index)];
+  return listeners_[static_cast<std::size_t>(listener)][unit];
 }
 
 std::bitset<256> RouteTable::units(ListenerId listener) const {
   const Units& units = listeners_[static_cast<std::size_t>(listener)];
   std::bitset<256> routed;
   for (std::size_t unit = 0; unit < units.size(); ++unit) {
-    routed.set(unit, units[unit] != kNone);
+    routed.set(unit, units[unit] != nullptr);
   }
   return routed;
 }

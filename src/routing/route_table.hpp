@@ -29,6 +29,8 @@ class RouteTable {
   /// listener takes precedence. `devices` are those of the settings and must outlive the table.
   RouteTable(std::span<const ListenerKind> listeners, std::span<const Route> routes,
              std::span<const drive::Device> devices);
+  RouteTable(const RouteTable&) = delete;  // its parts refer to each other
+  RouteTable& operator=(const RouteTable&) = delete;
 
   /// Nothing: no path (exception 0A).
   [[nodiscard]] const ResolvedRoute* find(ListenerId listener, std::uint8_t unit) const;
@@ -36,9 +38,7 @@ class RouteTable {
   [[nodiscard]] std::bitset<256> units(ListenerId listener) const;
 
  private:
-  using Index = std::int32_t;
-  static constexpr Index kNone = -1;
-  using Units = std::array<Index, 256>;
+  using Units = std::array<const ResolvedRoute*, 256>;  // nullptr: no route
 
   void add_transparent(const ListenerKind& kind, Units& units);
   void add(const Route& route, Units& units);
@@ -46,11 +46,12 @@ class RouteTable {
   [[nodiscard]] BusDevices devices_on(BusId bus) const;
   [[nodiscard]] std::optional<drive::BroadcastForm> own_form_at(const ResolvedRoute& resolved,
                                                                 std::size_t unit) const;
-  [[nodiscard]] Index route_of_form(const ResolvedRoute& resolved, Index broadcast,
-                                    drive::BroadcastForm form);
+  [[nodiscard]] const ResolvedRoute* route_of_form(const ResolvedRoute& resolved,
+                                                   const ResolvedRoute* broadcast,
+                                                   drive::BroadcastForm form);
 
   std::span<const drive::Device> devices_;
-  std::deque<ResolvedRoute> routes_;  // their addresses are stable while the table is built
+  std::deque<ResolvedRoute> routes_;  // their addresses are stable
   std::vector<Units> listeners_;
 };
 
