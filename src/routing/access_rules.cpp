@@ -2,6 +2,7 @@
 #include "routing/access_rules.hpp"
 
 #include <algorithm>
+#include <functional>
 
 namespace mbgate::routing {
 namespace {
@@ -77,10 +78,6 @@ Fit fit_access(const AccessRule& rule, const AccessQuestion& question) {
 }
 
 // The name "stops" stands for values that stop, without the parameters written behind them.
-bool names_all(const RegisterSet& registers, const TouchedRegisters& touched) {
-  return (registers.stops && touched.stop == StopIn::all) || registers.covers(touched);
-}
-
 Fit fit_registers(const AccessRule& rule, const TouchedRegisters& touched) {
   const RegisterSet& registers = rule.registers;
   if (registers.empty()) {
@@ -90,7 +87,7 @@ Fit fit_registers(const AccessRule& rule, const TouchedRegisters& touched) {
     return Fit::no;
   }
   if (rule.permits) {
-    return fit_if(names_all(registers, touched));
+    return fit_if((registers.stops && touched.stop == StopIn::all) || registers.covers(touched));
   }
   return fit_if((registers.stops && touched.stop != StopIn::none) || registers.touches(touched));
 }
@@ -133,23 +130,16 @@ Fit fit_of(const AccessRule& rule, const AccessQuestion& question) {
 }
 
 // Has `wide` everything of `narrow`, where an empty list means everything?
-template <typename List>
-bool has_all(const List& wide, const List& narrow) {
+template <typename List, typename Has = std::ranges::equal_to>
+bool has_all(const List& wide, const List& narrow, Has has = {}) {
   return wide.empty() || (!narrow.empty() && std::ranges::all_of(narrow, [&](const auto& it) {
-           return names(wide, it);
+           return std::ranges::any_of(wide, [&](const auto& other) { return has(other, it); });
          }));
 }
 
 template <typename Set>
 bool has_all_of_set(const std::optional<Set>& wide, const std::optional<Set>& narrow) {
   return !wide || (narrow && (*narrow & ~*wide).none());
-}
-
-bool has_networks(const NetworkList& wide, const NetworkList& narrow) {
-  return wide.empty() || (!narrow.empty() && std::ranges::all_of(narrow, [&](const Network& it) {
-           return std::ranges::any_of(wide,
-                                      [&](const Network& other) { return other.contains(it); });
-         }));
 }
 
 // Are the roles that the list lets through among these? Empty lists let all through.
@@ -175,29 +165,22 @@ bool hides_clients(const AccessRule& earlier, const AccessRule& later) {
   const std::vector<ClientGroup> everyone(1);
   const auto& wide = earlier.clients.empty() ? everyone : earlier.clients;
   const auto& narrow = later.clients.empty() ? everyone : later.clients;
+  const auto has = [](const Network& one, const Network& other) { return one.contains(other); };
   return std::ranges::all_of(narrow, [&](const ClientGroup& group) {
     return std::ranges::any_of(wide, [&](const ClientGroup& it) {
-      return has_networks(it.addresses, group.addresses) && hides_roles(earlier, it, later, group);
+      return has_all(it.addresses, group.addresses, has) && hides_roles(earlier, it, later, group);
     });
   });
 }
 
-// Of what a later rule fits the earlier one must fit everything, if it permits, or anything.
+// Of what a later rule fits the earlier one must fit everything, if it permits, or anything: one
+// that denies also matches by the units that a broadcast is for.
 bool hides_target(const AccessRule& earlier, const AccessRule& later) {
-  const bool narrowed = !earlier.devices.empty() || !earlier.registers.empty();
-  if (!narrowed) {
-    return true;
-  }
-  const bool narrower = has_all(earlier.devices, later.devices) &&
-                        (earlier.registers.empty() ||
-                         (!later.registers.empty() && earlier.registers.contains(later.registers)));
-  return narrower && (!earlier.permits || later.permits);
-}
-
-bool hides_units(const AccessRule& earlier, const AccessRule& later) {
-  // One that denies also matches by the units that a broadcast is for.
-  return !earlier.units ||
-         (has_all_of_set(earlier.units, later.units) && (!earlier.permits || later.permits));
+  const bool is_narrow = earlier.units || !earlier.devices.empty() || !earlier.registers.empty();
+  return (!is_narrow || !earlier.permits || later.permits) &&
+         has_all_of_set(earlier.units, later.units) && has_all(earlier.devices, later.devices) &&
+         (earlier.registers.empty() ||
+          (!later.registers.empty() && earlier.registers.contains(later.registers)));
 }
 
 }  // namespace
@@ -218,7 +201,7 @@ AccessDecision decide(std::span<const AccessRule> rules, const AccessQuestion& q
 
 bool hides(const AccessRule& earlier, const AccessRule& later) {
   return hides_clients(earlier, later) && has_all(earlier.listeners, later.listeners) &&
-         hides_units(earlier, later) && has_all_of_set(earlier.functions, later.functions) &&
+         has_all_of_set(earlier.functions, later.functions) &&
          (earlier.access == RuleAccess::both || earlier.access == later.access) &&
          hides_target(earlier, later);
 }

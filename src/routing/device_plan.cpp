@@ -152,8 +152,7 @@ Result<DevicePlan, ExceptionCode> Planner::plan_multiple_write() {
     return ExceptionCode::illegal_data_value;
   }
   const auto data = device_.data_in_order(seen_, request_);
-  DevicePlan plan;
-  plan.reply.form = Reply::Form::echo;
+  DevicePlan plan{{}, {Reply::Form::echo}};
   if (device_.write_function == 0x06) {
     run_of_singles(range, data, plan.requests);
     return plan;
@@ -201,8 +200,7 @@ Result<DevicePlan, ExceptionCode> Planner::plan_coils() {
   if (!device_.split_writes) {
     return ExceptionCode::illegal_data_value;
   }
-  DevicePlan plan;
-  plan.reply.form = Reply::Form::echo;
+  DevicePlan plan{{}, {Reply::Form::echo}};
   for (const TableRange& piece : pieces) {
     std::vector<std::uint16_t> coils;
     for (std::uint32_t at = piece.first; at < drive::end_of(piece); ++at) {

@@ -2,6 +2,7 @@
 #include "routing/route.hpp"
 
 #include <algorithm>
+#include <ranges>
 
 #include "drive/values.hpp"
 #include "modbus/codes.hpp"
@@ -11,33 +12,21 @@ namespace {
 
 constexpr std::uint8_t kDiagnostics = 8;
 
-/// Does a request with this function move something? Unknown functions may; diagnostics and
-/// identification (08, 43) do not, though they are no reads in every form.
-bool may_move(std::uint8_t function) {
-  return modbus::is_request_function(function) && !modbus::is_read({&function, 1}) &&
-         function != kDiagnostics && function != 43;
-}
-
 using modbus::ExceptionCode;
 using modbus::Table;
 using modbus::TableRange;
 
-bool lies_within(const AddressWindow& window, const TableRange& range) {
-  return range.table == window.table && range.first >= window.from &&
-         drive::end_of(range) <= std::uint32_t{window.from} + window.count;
-}
-
-const AddressWindow* find(std::span<const AddressWindow> windows, const TableRange& range) {
-  const auto window = std::ranges::find_if(
-      windows, [&](const AddressWindow& it) { return lies_within(it, range); });
-  return window == windows.end() ? nullptr : &*window;
-}
-
-std::optional<TableRange> moved(std::span<const AddressWindow> windows, const TableRange& range) {
-  const AddressWindow* window = find(windows, range);
-  if (window == nullptr) {
+// Nothing if there is no range, or no window that it lies in.
+std::optional<TableRange> moved(std::span<const AddressWindow> windows,
+                                const std::optional<modbus::AddressField>& field) {
+  const auto window = std::ranges::find_if(windows, [&](const AddressWindow& it) {
+    return field && field->range.table == it.table && field->range.first >= it.from &&
+           drive::end_of(field->range) <= std::uint32_t{it.from} + it.count;
+  });
+  if (window == windows.end()) {
     return std::nullopt;
   }
+  const TableRange& range = field->range;
   return TableRange{window->to_table,
                     static_cast<std::uint16_t>(range.first - window->from + window->to),
                     range.count};
@@ -85,15 +74,13 @@ FunctionRules FunctionRules::rewritable() {
 }
 
 bool Route::may_write() const {
-  if (access == Access::read_only) {
-    return false;
-  }
-  for (std::uint8_t function = 0; function < functions.allowed.size(); ++function) {
-    if (functions.allowed.test(function) && may_move(function)) {
-      return true;
-    }
-  }
-  return false;
+  const auto may_move = [this](std::size_t code) {
+    const auto function = static_cast<std::uint8_t>(code);
+    return functions.allowed.test(function) && !modbus::is_read({&function, 1}) &&
+           function != kDiagnostics && function != 43;  // though no reads in every form
+  };
+  return access != Access::read_only &&
+         std::ranges::any_of(std::views::iota(std::size_t{1}, functions.allowed.size()), may_move);
 }
 
 bool ResolvedRoute::leads_to(const drive::Device& server, std::uint8_t unit) const {
@@ -106,14 +93,8 @@ Result<modbus::Request, ExceptionCode> through_windows(std::span<const AddressWi
   if (windows.empty()) {
     return request;
   }
-  std::optional<TableRange> reads;
-  std::optional<TableRange> writes;
-  if (request.reads()) {
-    reads = moved(windows, request.reads()->range);
-  }
-  if (request.writes()) {
-    writes = moved(windows, request.writes()->range);
-  }
+  const auto reads = moved(windows, request.reads());
+  const auto writes = moved(windows, request.writes());
   if (reads.has_value() != request.reads().has_value() ||
       writes.has_value() != request.writes().has_value()) {
     return ExceptionCode::illegal_data_address;
