@@ -20,7 +20,8 @@ class ConnectionUse {
  public:
   /// A new connection. What was seen of the server's habits is kept.
   void open() {
-    was_asked_ = has_answered_ = false;
+    was_asked_ = false;
+    answered_at_.reset();
     closes_by_ = Instant::min();
   }
   void forget_unanswered() {
@@ -39,18 +40,17 @@ class ConnectionUse {
   /// An answer, in time or late. A server that leaves the connection open after its first answer is
   /// as others are.
   void note_answer(Instant now) {
-    closes_after_answer_ = closes_after_answer_ && !has_answered_;
+    closes_after_answer_ = closes_after_answer_ && !answered_at_;
     closes_by_ = closes_after_answer_ ? now + kTimeToClose : Instant::min();
-    has_answered_ = true;
     answered_at_ = now;
   }
   /// The server has closed the connection.
   void note_closed(Instant now) {
-    closes_after_answer_ = has_answered_ && now - answered_at_ <= kTimeToClose;
+    closes_after_answer_ = answered_at_ && now - *answered_at_ <= kTimeToClose;
   }
 
   [[nodiscard]] bool was_asked() const { return was_asked_; }
-  [[nodiscard]] bool has_answered() const { return has_answered_; }
+  [[nodiscard]] bool has_answered() const { return answered_at_.has_value(); }
   /// Until then the server may close the connection, because it did so before.
   [[nodiscard]] Instant closes_by() const { return closes_by_; }
   /// When the connection is to be replaced if nothing comes: `replace_after` requests are
@@ -62,9 +62,8 @@ class ConnectionUse {
 
  private:
   bool was_asked_ = false;
-  bool has_answered_ = false;
-  Instant answered_at_;
-  bool closes_after_answer_ = false;  // the connection before was closed right after an answer
+  std::optional<Instant> answered_at_;  // the last answer on this connection
+  bool closes_after_answer_ = false;    // the connection before was closed right after an answer
   Instant closes_by_ = Instant::min();
   std::optional<Instant> unheard_since_;  // the first request since the last byte that came
   unsigned unanswered_ = 0;               // of these requests, those that timed out

@@ -218,16 +218,16 @@ void StateReader::read(const bus::DeviceHealth& health, const drive::DeviceTimin
 }
 
 void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing, Hash& hash) {
-  // What was learned is forgotten by the minute, which no small world lives: while_began,
-  // learned_at, longest_before, shortest_before.
+  // What was learned is forgotten by the minute, which no small world lives: before, while_began,
+  // learned_at.
   const auto& [unanswered, pending, limits_now, is_doubtful, is_decisive, suspected_now, held_until,
                held_since, pace, heard_at, tails, silent, rests_until, rested_at, answered,
                was_sudden, seconds, clean, longest_second] = hold;
   // No registers are slow, no reload shortens times, no line is TCP: limits, unit, is_slow,
-  // longest_ordinary, ordinary_before.
-  const auto& [longest_answer, longest_before, longest_ordinary, ordinary_before, shortest_answer,
-               shortest_before, while_began, learned, learned_at] = pace;
-  require(longest_before == Duration{0}, "a short life");
+  // ordinary.
+  const auto& [lately, before, while_began, learned, learned_at] = pace;
+  const auto& [longest, ordinary, shortest] = lately;
+  require(before.longest == Duration{0}, "a short life");
   hash.add(unanswered.size());
   for (const bus::Hold::Unanswered& it : unanswered) {
     const auto& [asked, sent, due, is_unreadable, is_retry, may_be_answered, is_slow, unit, limits,
@@ -262,8 +262,8 @@ void StateReader::read(const bus::Hold& hold, const drive::DeviceTiming& timing,
   hash.add(seconds);
   hash.add(clean);
   hash.add(longest_second);
-  hash.add(longest_answer);
-  hash.add(shortest_answer);
+  hash.add(longest);
+  hash.add(shortest);
   hash.add(std::max(learned, timing.quarantine_or_default()));  // the longer one is in force
 }
 

@@ -41,21 +41,17 @@ class AnswerPace {
   /// came clearly sooner than any other answer of the last minute.
   bool note_answer(Duration took, Duration or_took, Instant now, bool is_ordinary = true) {
     if (now - while_began_ >= kRecently) {
-      const bool is_recent = now - while_began_ < 2 * kRecently;
-      longest_before_ = is_recent ? longest_answer_ : Duration{0};
-      ordinary_before_ = is_recent ? longest_ordinary_ : Duration{0};
-      shortest_before_ = is_recent ? shortest_answer_ : Duration::max();
-      longest_answer_ = longest_ordinary_ = Duration{0};
-      shortest_answer_ = Duration::max();
+      before_ = now - while_began_ < 2 * kRecently ? lately_ : Period{};
+      lately_ = {};
       while_began_ = now;
     }
-    const Duration shortest = std::min(shortest_answer_, shortest_before_);
+    const Duration shortest = std::min(lately_.shortest, before_.shortest);
     const bool is_first = shortest == Duration::max();
     const bool is_sudden = !is_first && took < shortest - shortest / kSuddenPart;
     const Duration counted = is_first || is_sudden ? or_took : took;
-    longest_answer_ = std::max(longest_answer_, counted);
-    longest_ordinary_ = std::max(longest_ordinary_, is_ordinary ? counted : Duration{0});
-    shortest_answer_ = std::min(shortest_answer_, took);
+    lately_.longest = std::max(lately_.longest, counted);
+    lately_.ordinary = std::max(lately_.ordinary, is_ordinary ? counted : Duration{0});
+    lately_.shortest = std::min(lately_.shortest, took);
     return is_sudden;
   }
   /// A late answer came, which a quarantine as long as this would have covered.
@@ -69,11 +65,11 @@ class AnswerPace {
 
   /// The longest that an answer took in the last minute, and in the one before.
   [[nodiscard]] Duration longest_answer() const {
-    return std::max(longest_answer_, longest_before_);
+    return std::max(lately_.longest, before_.longest);
   }
   /// The same without answers of slow registers.
   [[nodiscard]] Duration longest_ordinary() const {
-    return std::max(longest_ordinary_, ordinary_before_);
+    return std::max(lately_.ordinary, before_.ordinary);
   }
   /// How long a quarantine must be to cover what was seen of late answers. It shrinks by an eighth
   /// in each minute in which none came that the rest would not cover.
@@ -96,12 +92,13 @@ class AnswerPace {
   static constexpr int kForgottenPart = 8;    // an eighth in each of these
   static constexpr int kLongestMemory = 100;  // of these; nothing is left by then
 
-  Duration longest_answer_{0};  // in this period, and in the one before
-  Duration longest_before_{0};
-  Duration longest_ordinary_{0};
-  Duration ordinary_before_{0};
-  Duration shortest_answer_ = Duration::max();
-  Duration shortest_before_ = Duration::max();
+  struct Period {
+    Duration longest{0};
+    Duration ordinary{0};  ///< the longest without those of slow registers
+    Duration shortest = Duration::max();
+  };
+  Period lately_;  // since `while_began_`
+  Period before_;
   Instant while_began_;
   Duration learned_{0};
   Instant learned_at_ = Instant::min();

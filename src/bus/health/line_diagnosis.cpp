@@ -44,7 +44,7 @@ constinit const std::array<Duration, 16> kSilenceBounds = {
 void LineDiagnosis::note_opened() {
   foreign_reported_ = false;
   last_never_silent_ = Instant::min();
-  denied_echo_.open();
+  denied_echo_ = {};  // it may be another adapter
   never_silent_reported_ = false;
   quality_.forget();
 }

@@ -20,12 +20,6 @@ namespace mbgate::bus {
 
 class DeniedEcho {
  public:
-  /// The line was opened: it may be another adapter.
-  void open() {
-    is_heard_ = false;
-    in_row_ = 0;
-    reported_ = false;
-  }
   /// What was just sent was heard. True: that proves an echo, and was not told yet.
   bool note_heard(Instant now) {
     if (std::exchange(is_heard_, true)) {

@@ -104,10 +104,6 @@ void AnswerQuality::forget() {
   has_answered_ = answered;
 }
 
-unsigned AnswerQuality::least_unreadable() const {
-  return last_after_ - first_after_ <= kSameTime ? kLeastUnreadable : kLeastScattered;
-}
-
 void AnswerQuality::judge() {
   const auto late = static_cast<unsigned>(std::popcount(requests_));
   const bool was_late = verdict_.quality == Quality::late;
@@ -115,7 +111,8 @@ void AnswerQuality::judge() {
     verdict_ = crcs_.verdict();
     return;
   }
-  if (!has_framed_ && unreadable_in_row_ >= least_unreadable()) {
+  const bool is_steady = last_after_ - first_after_ <= kSameTime;
+  if (!has_framed_ && unreadable_in_row_ >= (is_steady ? kLeastUnreadable : kLeastScattered)) {
     verdict_ = {Quality::no_frame, unreadable_in_row_, unreadable_in_row_};
   } else if (late >= kLeastLate || (was_late && late > 0)) {
     verdict_ = {Quality::late, late, most_requests_, lateness_, needed_};
@@ -133,20 +130,18 @@ void LineQuality::forget() {
   reported_ = {};
   crcs_ = {};
   line_reported_ = Quality::unknown;
-  bad_devices_ = 0;
 }
 
 void LineQuality::forget(std::uint8_t address) {
   devices_.at(address) = {};
-  const Quality told = std::exchange(reported_.at(address), Quality::unknown);
-  bad_devices_ -= told == Quality::bad_crc ? 1U : 0U;
+  reported_.at(address) = Quality::unknown;
 }
 
 QualityVerdict LineQuality::verdict() const {
   QualityVerdict verdict = crcs_.verdict();
   if (!crcs_.is_known()) {
     verdict.quality = Quality::unknown;
-  } else if (bad_devices_ < 2) {
+  } else if (std::ranges::count(reported_, Quality::bad_crc) < 2) {
     verdict.quality = Quality::good;
   }
   return verdict;
@@ -160,8 +155,6 @@ std::optional<QualityNotice> LineQuality::take_change(std::uint8_t address) {
   const Quality before = reported_.at(address);
   const Quality now = device.quality == Quality::unknown ? before : device.quality;
   reported_.at(address) = now;
-  bad_devices_ += now == Quality::bad_crc ? 1U : 0U;
-  bad_devices_ -= before == Quality::bad_crc ? 1U : 0U;
   if (is_reportable(before, now)) {
     return QualityNotice{address, device};
   }

@@ -91,7 +91,6 @@ class AnswerQuality {
 
  private:
   void note_ended(bool in_time);
-  [[nodiscard]] unsigned least_unreadable() const;
   void judge();
 
   CrcShare crcs_;
@@ -138,7 +137,6 @@ class LineQuality {
   std::array<Quality, kAddresses> reported_{};
   CrcShare crcs_;
   Quality line_reported_ = Quality::unknown;
-  unsigned bad_devices_ = 0;
   unsigned unasked_ = 0;
 };
 

@@ -55,7 +55,7 @@ TEST_F(DeniedEchoTest, IsOverWithAReadThatIsAnsweredWithoutOne) {
 TEST_F(DeniedEchoTest, IsToldAgainOfAnotherAdapter) {
   hear(1s);
   EXPECT_TRUE(hear(2s));
-  echo_.open();
+  echo_ = {};
   EXPECT_FALSE(echo_.is_found());
   EXPECT_FALSE(hear(3s));
   EXPECT_TRUE(hear(4s));
