@@ -21,15 +21,11 @@ class ActionQueue {
   [[nodiscard]] bool empty() const { return next_ == waiting_.size(); }
 
   /// Removes and returns the oldest action; nothing if the queue is empty.
-  std::optional<Action> poll() { return empty() ? std::nullopt : take(); }
-
- private:
-  /// When the queue is empty, memory for more actions than this is released (it was needed for a
-  /// burst).
-  static constexpr std::size_t kKeptRoom = 1024;
-
-  // An action is large: it is moved once, and no room for one is filled with zeros first.
-  std::optional<Action> take() {
+  std::optional<Action> poll() {
+    if (empty()) {
+      return std::nullopt;
+    }
+    // An action is large: it is moved once, and no room for one is filled with zeros first.
     std::optional<Action> action(std::in_place, std::move(waiting_[next_]));
     if (++next_ == waiting_.size()) {
       next_ = 0;
@@ -40,6 +36,11 @@ class ActionQueue {
     }
     return action;
   }
+
+ private:
+  /// When the queue is empty, memory for more actions than this is released (it was needed for a
+  /// burst).
+  static constexpr std::size_t kKeptRoom = 1024;
 
   std::vector<Action> waiting_;
   std::size_t next_ = 0;

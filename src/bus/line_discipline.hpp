@@ -16,7 +16,9 @@ class LineDiscipline {
  public:
   /// `settings` must outlive this object and always be those in force.
   LineDiscipline(const BusSettings& settings, BusCounters& counters)
-      : line_(make(settings, counters, use_)) {}
+      : line_(settings.line.framing == Framing::tcp
+                  ? Variant(std::in_place_type<TcpDiscipline>, settings, counters, use_)
+                  : Variant(std::in_place_type<SerialDiscipline>, settings, counters)) {}
   LineDiscipline(const LineDiscipline&) = delete;  // its parts refer to each other
   LineDiscipline& operator=(const LineDiscipline&) = delete;
 
@@ -37,8 +39,7 @@ class LineDiscipline {
   }
   /// Nothing on a connection, where no silence is asked for.
   [[nodiscard]] const LineSilence* silence() const {
-    const auto* serial = std::get_if<SerialDiscipline>(&line_);
-    return serial == nullptr ? nullptr : &serial->silence();
+    return serial() == nullptr ? nullptr : &serial()->silence();
   }
   FrameBytes begin(Transaction& transaction, const drive::DeviceTiming& timing, OwedAnswers owed,
                    Instant now) {
@@ -66,6 +67,9 @@ class LineDiscipline {
   }
   /// Nothing if it is a connection.
   SerialDiscipline* serial() { return std::get_if<SerialDiscipline>(&line_); }
+  [[nodiscard]] const SerialDiscipline* serial() const {
+    return std::get_if<SerialDiscipline>(&line_);
+  }
   void handle_bytes(modbus::Bytes bytes, Instant now) {
     std::visit([&](auto& line) { line.handle_bytes(bytes, now); }, line_);
   }
@@ -90,8 +94,7 @@ class LineDiscipline {
   }
   /// Never on a connection.
   [[nodiscard]] NoticedEcho noticed_echo() const {
-    const auto* serial = std::get_if<SerialDiscipline>(&line_);
-    return serial == nullptr ? NoticedEcho::none : serial->noticed_echo();
+    return serial() == nullptr ? NoticedEcho::none : serial()->noticed_echo();
   }
   [[nodiscard]] LineState state(Instant now) const {
     return std::visit([&](const auto& line) { return line.state(now); }, line_);
@@ -99,18 +102,11 @@ class LineDiscipline {
 
  private:
   using Variant = std::variant<SerialDiscipline, TcpDiscipline>;
-  static Variant make(const BusSettings& settings, BusCounters& counters, ConnectionUse& use) {
-    if (settings.line.framing == Framing::tcp) {
-      return Variant(std::in_place_type<TcpDiscipline>, settings, counters, use);
-    }
-    return Variant(std::in_place_type<SerialDiscipline>, settings, counters);
-  }
   /// When something may be sent: the silence of a serial line says that, or a connection itself.
   template <typename Ask>
   [[nodiscard]] Instant when(Ask ask) const {
-    const auto* serial = std::get_if<SerialDiscipline>(&line_);
-    return std::max(not_before_, serial == nullptr ? ask(std::get<TcpDiscipline>(line_))
-                                                   : ask(serial->silence()));
+    return std::max(not_before_,
+                    silence() == nullptr ? ask(std::get<TcpDiscipline>(line_)) : ask(*silence()));
   }
 
   ConnectionUse use_;  // of a serial line: of interest behind `tcp://`

@@ -116,14 +116,10 @@ struct UnsolicitedFrame {
 
   UnsolicitedFrame(std::uint8_t from, const modbus::Pdu& heard, Instant when, bool noisy = false)
       : address(from), pdu(heard), after_noise(noisy), came(when) {
-    is_response = is_whole(modbus::response_length(pdu.bytes()));
-    is_request = !is_response && is_whole(modbus::request_length(pdu.bytes())) &&
+    const modbus::PduLength whole{modbus::PduLength::Kind::known, pdu.size()};
+    is_response = modbus::response_length(pdu.bytes()) == whole;
+    is_request = !is_response && modbus::request_length(pdu.bytes()) == whole &&
                  modbus::Request::parse(pdu).has_value();
-  }
-
- private:
-  [[nodiscard]] bool is_whole(const modbus::PduLength& length) const {
-    return length.kind == modbus::PduLength::Kind::known && length.bytes == pdu.bytes().size();
   }
 };
 

@@ -4,17 +4,13 @@
 #include <algorithm>
 
 namespace mbgate::bus {
-namespace {
-
-constexpr int kPercent = 100;
-
-}  // namespace
 
 // Offline devices take turns: the one that was asked longest ago goes first, if anybody still asks
 // for it, and it may be asked.
 bool Probes::may_ask(const Job& job, Instant now) const {
   const DeviceEntry& entry = devices_[job.address()];
-  if (now < entry.probe_at || (!nobody_else_asks(now) && now < next_at_)) {
+  const bool others_ask = others_ > 0 || now < others_gone_at_ + settings_.timing.probe_interval;
+  if (now < entry.probe_at || (others_ask && now < next_at_)) {
     return false;
   }
   const auto goes_first = [&](const DeviceEntry& other) {
@@ -52,6 +48,7 @@ void Probes::note_unanswered(const Job& probe, Instant now) {
     return;  // the device was heard meanwhile
   }
   entry.probe_at = probe.sent.last_at + entry.in_force().probe_interval;
+  constexpr int kPercent = 100;
   // A shorter one that went while nobody else asked leaves the share of a longer one.
   const Duration took = now - probe.sent.last_at;
   next_at_ = std::max(next_at_, probe.sent.last_at + took * kPercent / settings_.probe_share);

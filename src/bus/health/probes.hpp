@@ -29,10 +29,6 @@ class Probes {
   void expect_others(Instant now);
 
  private:
-  [[nodiscard]] bool nobody_else_asks(Instant now) const {
-    return others_ == 0 && now >= others_gone_at_ + settings_.timing.probe_interval;
-  }
-
   const BusSettings& settings_;
   DeviceTable& devices_;
   Instant next_at_ = Instant::min();  // of all devices, while there are ordinary requests

@@ -33,12 +33,6 @@ inline bool may_become_whole(modbus::Bytes bytes, const modbus::PduLength& lengt
           length.bytes + modbus::kRtuOverhead <= modbus::kMaxRtuSize);
 }
 
-inline bool is_good_request(modbus::Bytes bytes, const modbus::PduLength& length) {
-  const auto pdu =
-      is_good(bytes, length) ? modbus::Pdu::from(bytes.subspan(1, length.bytes)) : std::nullopt;
-  return pdu && modbus::Request::parse(*pdu);
-}
-
 /// A valid frame: a response, or a request of another client.
 struct GoodFrame {
   std::size_t size;
@@ -51,7 +45,9 @@ inline std::optional<GoodFrame> good_frame(modbus::Bytes bytes) {
     return GoodFrame{response.bytes + modbus::kRtuOverhead, true};
   }
   const modbus::PduLength request = modbus::request_length(bytes.subspan(1));
-  if (is_good_request(bytes, request)) {
+  const auto pdu =
+      is_good(bytes, request) ? modbus::Pdu::from(bytes.subspan(1, request.bytes)) : std::nullopt;
+  if (pdu && modbus::Request::parse(*pdu)) {
     return GoodFrame{request.bytes + modbus::kRtuOverhead, false};
   }
   return std::nullopt;

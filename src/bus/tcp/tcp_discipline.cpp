@@ -15,11 +15,6 @@ constexpr std::size_t kProtocolFieldEnd = 4;
 constexpr std::size_t kLengthField = 4;
 constexpr std::size_t kExceptionLength = 3;  // unit identifier, function code, exception code
 
-// A server speaks Modbus and nothing else: another protocol means that this is no header.
-bool is_foreign(modbus::Bytes stream) {
-  return stream.size() >= kProtocolFieldEnd && modbus::load_be16(stream, 2) != 0;
-}
-
 // As far as it has come, is this the beginning of an answer with the identifier?
 bool begins_with(modbus::Bytes stream, std::uint16_t identifier) {
   std::array<std::uint8_t, kProtocolFieldEnd> front{};
@@ -63,7 +58,7 @@ void TcpDiscipline::abort() {
   owed_.clear();
   stream_.clear();
   padding_ = 0;
-  ends_.clear();
+  ends_ = {};
   asked_.clear();
   unsolicited_.clear();
   fault_.reset();
@@ -92,7 +87,9 @@ void TcpDiscipline::handle_bytes(modbus::Bytes bytes, Instant now) {
 bool TcpDiscipline::take_answer(Instant now) {
   skip_padding();
   const modbus::MbapScan scan = modbus::scan_mbap_answer(stream_);
-  if (is_foreign(stream_) || std::holds_alternative<modbus::MbapLost>(scan)) {
+  // A server speaks Modbus and nothing else: another protocol means that this is no header.
+  const bool is_foreign = stream_.size() >= kProtocolFieldEnd && modbus::load_be16(stream_, 2) != 0;
+  if (is_foreign || std::holds_alternative<modbus::MbapLost>(scan)) {
     counters_.stray_bytes += stream_.size();
     stream_.clear();
     fault_ = LineFault::framing_lost;
@@ -164,8 +161,8 @@ void TcpDiscipline::match(const modbus::MbapAdu& answer, Instant now) {
   }
   use_.note_answer(now);
   transaction.response = answer.pdu;
-  ends_.push_back({is_fitting(fit) ? LineEnd::How::response : LineEnd::How::misfit, &transaction,
-                   flight->due, now - flight->sent});
+  ends_.push(LineEnd{is_fitting(fit) ? LineEnd::How::response : LineEnd::How::misfit, &transaction,
+                     flight->due, now - flight->sent});
   if (settings_.check_transaction) {
     std::erase_if(asked_, [&](const Sent& it) { return it.identifier == flight->identifier; });
   }
@@ -180,7 +177,7 @@ void TcpDiscipline::handle_deadline(Instant now) {
       if (!flight.transaction->may_stay_silent()) {
         use_.note_unanswered(flight.sent);
       }
-      ends_.push_back({LineEnd::How::no_response, flight.transaction, flight.due});
+      ends_.push(LineEnd{LineEnd::How::no_response, flight.transaction, flight.due});
     }
   }
   std::erase_if(flights_, [now](const Flight& flight) { return now >= flight.response_deadline; });
@@ -207,19 +204,6 @@ std::optional<Instant> TcpDiscipline::next_deadline() const {
     deadline = earlier(deadline, flight.response_deadline);
   }
   return deadline;
-}
-
-std::optional<LineEnd> TcpDiscipline::take_end() {
-  if (ends_.empty()) {
-    return std::nullopt;
-  }
-  const LineEnd end = ends_.front();
-  ends_.pop_front();
-  return end;
-}
-
-LineState TcpDiscipline::state(Instant /*now*/) const {
-  return flights_.empty() ? LineState::idle : LineState::waiting_for_reply;
 }
 
 }  // namespace mbgate::bus

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "bus/action_queue.hpp"
 #include "bus/connection_use.hpp"
 #include "bus/counters.hpp"
 #include "bus/job.hpp"
@@ -69,11 +70,13 @@ class TcpDiscipline {
   void handle_deadline(Instant now);
   [[nodiscard]] std::optional<Instant> next_deadline() const;
   /// The ends of running transactions, each once.
-  std::optional<LineEnd> take_end();
+  std::optional<LineEnd> take_end() { return ends_.poll(); }
   /// Once: the connection is of no use, because its stream cannot be followed any further, or
   /// because nothing comes.
   std::optional<LineFault> take_fault() { return std::exchange(fault_, std::nullopt); }
-  [[nodiscard]] LineState state(Instant now) const;
+  [[nodiscard]] LineState state(Instant /*now*/) const {
+    return flights_.empty() ? LineState::idle : LineState::waiting_for_reply;
+  }
 
  private:
   /// A transaction whose answer is waited for.
@@ -114,7 +117,7 @@ class TcpDiscipline {
   std::vector<std::uint8_t> stream_;  // less than an answer, between calls
   std::size_t padding_ = 0;           // so many bytes that are no answer may come next
   Instant quiet_since_;               // the last byte in either direction
-  std::deque<LineEnd> ends_;
+  ActionQueue<LineEnd> ends_;
   std::deque<Sent> asked_;  // the newest kMostAsked
   Untold<UnsolicitedFrame, kMostAsked> unsolicited_;
   std::optional<LineFault> fault_;

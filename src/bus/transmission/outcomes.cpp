@@ -230,19 +230,18 @@ void Outcomes::handle_unreadable(Job& job, const LineEnd& end, Instant now) {
 }
 
 void Outcomes::handle_failure(Job& job, Instant now) {
-  parts_.acknowledged.forget(job.transaction().address);
-  const DeviceEntry& entry = parts_.devices[job.transaction().address];
+  const Transaction& own = job.transaction();
+  parts_.acknowledged.forget(own.address);
   if (job.is_stop()) {
     handle_stop_failure(job, now);
     return;
   }
-  const Transaction& own = job.transaction();
+  const DeviceEntry& entry = parts_.devices[own.address];
   const bool may_repeat =
       (own.request.is_read() || entry.in_force().retry_writes) && !entry.health.is_offline();
-  if (may_repeat && job.sent.tries <= entry.in_force().retries) {
-    return;
+  if (!may_repeat || job.sent.tries > entry.in_force().retries) {
+    ends_.finish(job, Ending::no_answer);
   }
-  ends_.finish(job, Ending::no_answer);
 }
 
 // What was read may answer the next one that asks, where the device allows it.
