@@ -3,7 +3,6 @@
 // so a reload takes nothing away from it.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <boost/container/small_vector.hpp>
 #include <limits>
@@ -40,13 +39,10 @@ class DeviceIndex {
   [[nodiscard]] DevicePlaces addressed_by(const drive::Transaction& transaction) const;
 
  private:
-  struct OnBus {
-    std::array<std::optional<std::size_t>, kAddresses> by_address;
-    DevicePlaces all;
-  };
+  using ByAddress = std::array<std::optional<std::size_t>, kAddresses>;
 
   std::span<const drive::Device> devices_;
-  std::vector<OnBus> buses_;
+  std::vector<ByAddress> buses_;
 };
 
 struct SettingsSnapshot {
@@ -78,10 +74,8 @@ class SettingsHistory {
     return before;
   }
   void forget_unused() {
-    if (snapshots_.size() > 1) {
-      snapshots_.remove_if(
-          [this](const SettingsSnapshot& it) { return it.exchanges == 0 && &it != &in_force(); });
-    }
+    snapshots_.remove_if(
+        [this](const SettingsSnapshot& it) { return it.exchanges == 0 && &it != &in_force(); });
   }
 
  private:
