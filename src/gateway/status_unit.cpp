@@ -169,33 +169,29 @@ Pdu identify(const Pdu& request) {
   return *Pdu::from(bytes);
 }
 
-template <typename Count>
-std::uint64_t sum(const StatusView& view, Count count) {
-  std::uint64_t total = 0;
-  for (const BusId bus : view.buses) {
-    total += count(view.all[bus].counters());
-  }
-  return total;
-}
-
 }  // namespace
 
 StatusUnit::Answer StatusUnit::diagnose(const Pdu& request, const StatusView& view) const {
   using Counters = bus::BusCounters;
+  const auto sum = [&](auto... counters) {
+    std::uint64_t total = 0;
+    for (const BusId bus : view.buses) {
+      total += (... + (view.all[bus].counters().*counters));
+    }
+    return total;
+  };
   std::uint64_t value = 0;
   switch (modbus::load_be16(request.bytes(), 1)) {
     case 0x00: return {request};
     case 0x02: break;  // diagnostic register: nothing to tell
     case 0x0A: return {request, true};
-    case 0x0B:
-      value = sum(view, [](const Counters& c) { return c.responses + c.unsolicited_frames; });
-      break;
-    case 0x0C: value = sum(view, [](const Counters& c) { return c.bad_crcs; }); break;
-    case 0x0D: value = sum(view, [](const Counters& c) { return c.exceptions; }); break;
+    case 0x0B: value = sum(&Counters::responses, &Counters::unsolicited_frames); break;
+    case 0x0C: value = sum(&Counters::bad_crcs); break;
+    case 0x0D: value = sum(&Counters::exceptions); break;
     case 0x0E: value = requests_; break;
-    case 0x0F: value = sum(view, [](const Counters& c) { return c.timeouts; }); break;
+    case 0x0F: value = sum(&Counters::timeouts); break;
     case 0x10: break;  // NAK count: the gateway sends none
-    case 0x11: value = sum(view, [](const Counters& c) { return c.refused_full; }); break;
+    case 0x11: value = sum(&Counters::refused_full); break;
     case 0x12: break;  // character overrun count: not seen by the gateway
     default: return {Pdu::exception(request.function(), ExceptionCode::illegal_function)};
   }

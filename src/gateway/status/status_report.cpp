@@ -29,7 +29,8 @@ std::optional<WaitingClient> most_waiting(const bus::Bus& bus, const Sessions& s
   return WaitingClient{address->to_text(), most->requests, most->of, now - most->since, others_ask};
 }
 
-BusStatus status_of(const bus::Bus& bus, const bus::BusSettings& settings, Instant now) {
+BusStatus status_of(const bus::Bus& bus, Instant now) {
+  const bus::BusSettings& settings = bus.parts().settings;
   const bus::LineSettings& line = settings.line;
   BusStatus status;
   status.name = settings.name;
@@ -74,7 +75,7 @@ std::optional<OtherWordOrder> other_order(const bus::DeviceEntry& entry) {
   return OtherWordOrder{device.profile.word_order_register->address, *entry.setting, *stated};
 }
 
-DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial, Instant now) {
+DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, Instant now) {
   const bus::DeviceEntry& entry = bus.devices()[address];
   DeviceStatus status;
   status.address = address;
@@ -110,14 +111,14 @@ DeviceStatus status_of(const bus::Bus& bus, std::uint8_t address, bool is_serial
   status.counters = entry.counters;
   status.quality = bus.diagnosis().quality()[address].verdict();
   status.times = entry.times;
-  if (!is_serial) {  // on a connection nobody knows
+  if (bus.parts().settings.line.remote) {  // on a connection nobody knows
     status.times.wire = {};
   }
   return status;
 }
 
 // Addresses of transparent listeners and routes without a device.
-void add_unnamed(const bus::Bus& bus, std::size_t place, bool is_serial, Instant now,
+void add_unnamed(const bus::Bus& bus, std::size_t place, Instant now,
                  std::vector<DeviceStatus>& devices) {
   std::bitset<bus::kAddresses> named;
   for (const drive::Device& device : bus.devices().devices()) {
@@ -126,7 +127,7 @@ void add_unnamed(const bus::Bus& bus, std::size_t place, bool is_serial, Instant
   for (std::size_t address = 0; address < bus::kAddresses; ++address) {
     const auto number = static_cast<std::uint8_t>(address);
     if (!named[address] && bus.devices()[number].asked_at != Instant::min()) {
-      devices.push_back(status_of(bus, number, is_serial, now));
+      devices.push_back(status_of(bus, number, now));
       devices.back().bus = place;
     }
   }
@@ -140,21 +141,18 @@ StatusReport make_status_report(const StatusView& view, bool with_clients) {
   StatusReport report;
   report.uptime = now - view.started;
   report.counters = view.counters;
-  const auto is_serial = [&](BusId bus) { return !settings.bus(bus).line.remote; };
   for (const BusId bus : view.buses) {
-    report.buses.push_back(status_of(view.all[bus], settings.bus(bus), now));
+    report.buses.push_back(status_of(view.all[bus], now));
     report.buses.back().most_waiting = most_waiting(view.all[bus], view.sessions, now);
   }
   for (const auto& [device, place] : view.devices) {
-    DeviceStatus status =
-        status_of(view.all[device->bus], device->address, is_serial(device->bus), now);
+    DeviceStatus status = status_of(view.all[device->bus], device->address, now);
     status.name = device->name;
     status.bus = place;
     report.devices.push_back(std::move(status));
   }
   for (std::size_t place = 0; place < view.buses.size(); ++place) {
-    add_unnamed(view.all[view.buses[place]], place, is_serial(view.buses[place]), now,
-                report.devices);
+    add_unnamed(view.all[view.buses[place]], place, now, report.devices);
   }
   for (std::size_t number = 0; number < settings.listeners.size(); ++number) {
     const auto listener = static_cast<ListenerId>(number);
