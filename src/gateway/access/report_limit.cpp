@@ -26,23 +26,19 @@ Denied denial_of(const SettingsSnapshot& settings, const ClientInfo& client,
 
 }  // namespace
 
-bool ReportLimit::is_over(const Minute& minute, bus::Instant now) {
-  return minute.reports == 0 || now - minute.began >= kReportedEvery;
-}
-
 ReportLimit::Minute& ReportLimit::minute_of(Client client, bus::Instant now) {
   if (const auto known = minutes_.find(client); known != minutes_.end()) {
     return known->second;
   }
   if (minutes_.size() >= kReportedClients) {
-    std::erase_if(minutes_, [now](const auto& entry) { return is_over(entry.second, now); });
+    std::erase_if(minutes_, [now](const auto& entry) { return entry.second.is_over(now); });
   }
   return minutes_.size() < kReportedClients ? minutes_[std::move(client)] : of_others_;
 }
 
 std::optional<std::uint64_t> ReportLimit::note(const ClientInfo& client, bus::Instant now) {
   Minute& minute = minute_of({client.address.counted_as(), client.role.certificate}, now);
-  if (is_over(minute, now)) {
+  if (minute.is_over(now)) {
     minute.began = now;
     minute.reports = 0;
   }

@@ -31,9 +31,11 @@ class ReportLimit {
     bus::Instant began = bus::Instant::min();
     unsigned reports = 0;
     std::uint64_t left_out = 0;
+    [[nodiscard]] bool is_over(bus::Instant now) const {
+      return reports == 0 || now - began >= kReportedEvery;
+    }
   };
   using Client = std::pair<routing::ClientAddress, std::string>;  // with its certificate
-  [[nodiscard]] static bool is_over(const Minute& minute, bus::Instant now);
   /// That of the client, or the one that those share for whom there is no place.
   [[nodiscard]] Minute& minute_of(Client client, bus::Instant now);
 

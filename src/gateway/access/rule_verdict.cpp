@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/access/rule_verdict.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "gateway/limits.hpp"
@@ -20,14 +21,6 @@ struct Halves {
   TouchedList read;
   TouchedList written;
 };
-
-AccessQuestion question_of(const ClientInfo& client, std::uint8_t unit, std::uint8_t function) {
-  AccessQuestion question{client.address, &client.role, client.listener};
-  question.unit = unit;
-  question.reached.set(unit);
-  question.function = function;
-  return question;
-}
 
 bool is_denied_at_all(const ClientInfo& client) {
   return client.role.kind == ClientRole::Kind::unreadable;
@@ -92,21 +85,17 @@ Halves halves_of(const SettingsSnapshot& settings, const routing::Plan& plan) {
   return halves;
 }
 
-bool goes_to_bus_of(const routing::ResolvedRoute& resolved, const routing::Plan& plan) {
-  return std::ranges::any_of(plan.transactions(), [&](const auto& transaction) {
-    return std::ranges::find(resolved.route.buses, transaction.bus) != resolved.route.buses.end();
-  });
-}
-
 // A broadcast is for all units that lead to its buses.
 void add_reached(const SettingsSnapshot& settings, const routing::Plan& plan,
                  AccessQuestion& question) {
-  if (!plan.transactions().back().broadcast) {
+  const auto& sent = plan.transactions();
+  if (!sent.back().broadcast) {
     return;
   }
   for (unsigned unit = 0; unit <= std::numeric_limits<std::uint8_t>::max(); ++unit) {
     const auto* resolved = settings.routes.find(question.listener, static_cast<std::uint8_t>(unit));
-    if (resolved != nullptr && goes_to_bus_of(*resolved, plan)) {
+    if (resolved != nullptr && std::ranges::find_first_of(sent, resolved->route.buses, {},
+                                                          &drive::Transaction::bus) != sent.end()) {
       question.reached.set(unit);
     }
   }
@@ -124,7 +113,7 @@ RuleVerdict verdict_on_halves(const Settings& settings, AccessQuestion question,
     question.touched = std::span(touched.data(), touched.size());
     const AccessDecision decision = routing::decide(settings.rules, question);
     if (!decision.permitted) {
-      return {false, decision.rule};
+      return {decision};
     }
     if (verdict.rule == nullptr) {
       verdict.rule = decision.rule;
@@ -148,12 +137,14 @@ bool may_connect(const Settings& settings, const ClientInfo& client) {
 RuleVerdict verdict_on(const SettingsSnapshot& settings, const ClientInfo& client,
                        std::uint8_t unit, const modbus::Pdu& request, const routing::Plan* plan) {
   if (is_denied_at_all(client)) {
-    return {false};
+    return {{false}};
   }
   if (settings.settings.rules.empty()) {
     return {};
   }
-  AccessQuestion question = question_of(client, unit, request.function());
+  AccessQuestion question{client.address, &client.role, client.listener,
+                          unit,           {},           request.function()};
+  question.reached.set(unit);
   if (plan != nullptr) {
     add_reached(settings, *plan, question);
     return verdict_on_halves(settings.settings, question, halves_of(settings, *plan));
@@ -165,8 +156,7 @@ RuleVerdict verdict_on(const SettingsSnapshot& settings, const ClientInfo& clien
     return verdict_on_halves(settings.settings, question, halves);
   }
   question.is_read = modbus::is_read(request.bytes());
-  const AccessDecision decision = routing::decide(settings.settings.rules, question);
-  return {decision.permitted, decision.rule};
+  return {routing::decide(settings.settings.rules, question)};
 }
 
 std::string denied_by_text(const RuleVerdict& verdict, const ClientInfo& client) {

@@ -21,10 +21,7 @@
 
 namespace mbgate::gateway {
 
-struct RuleVerdict {
-  bool permitted = true;
-  /// That has decided; nullptr: none has matched, or there are none.
-  const routing::AccessRule* rule = nullptr;
+struct RuleVerdict : routing::AccessDecision {
   /// Of a request that reads and writes: the other rule that permits it, if it is another one.
   const routing::AccessRule* other = nullptr;
 };

@@ -89,7 +89,11 @@ void Requests::answer_at_once(ClientSession& session, const Request& request,
 
 void Requests::begin(ClientSession& session, Request& request, Instant now) {
   const WriteOrigin origin = request.origin(session);
-  audit(session, request);
+  // Of what is asked of the status unit only 08/0A changes anything, and that is always told.
+  if (settings_.settings().audit && !request.plan->is_read()) {
+    actions_.push(Report{WriteAccepted{asked_of(session.info(), request.adu), request.is_stop,
+                                       target_of(*request.plan)}});
+  }
   say_left_out(session, request);
   const std::uint32_t index = exchanges_.open(std::move(request.plan));
   Exchange& exchange = exchanges_[index];
@@ -130,13 +134,6 @@ void Requests::say_left_out(const ClientSession& session, const Request& request
   }
   if (!event.devices.empty()) {
     actions_.push(Report{std::move(event)});
-  }
-}
-
-void Requests::audit(const ClientSession& session, const Request& request) {
-  if (settings_.settings().audit && !request.plan->is_read()) {
-    actions_.push(Report{WriteAccepted{asked_of(session.info(), request.adu), request.is_stop,
-                                       target_of(*request.plan)}});
   }
 }
 

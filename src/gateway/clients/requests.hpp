@@ -47,9 +47,6 @@ class Requests {
   void answer_at_once(ClientSession& session, const Request& request, const modbus::Pdu& answer,
                       Instant now);
   void begin(ClientSession& session, Request& request, Instant now);
-  /// `audit = true`: the journal is told of a write. Not of what is asked of the status unit: only
-  /// 08/0A changes anything there, and that is always told.
-  void audit(const ClientSession& session, const Request& request);
   /// Of a broadcast the journal is told which devices it is not for.
   void say_left_out(const ClientSession& session, const Request& request);
   [[nodiscard]] bool is_withdrawn(const ClientSession& session, const Exchange& exchange,

@@ -1,22 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/clients/sessions.hpp"
 
+#include <algorithm>
 #include <tuple>
 
 namespace mbgate::gateway {
 namespace {
 
 // Who never asked, then who has nothing to do, for longest; then who connected first.
-bool goes_before(const ClientSession* one, const ClientSession* other) {
-  const auto place = [](const ClientSession& it) {
-    return std::tuple(it.has_asked, !it.is_at_rest(),
-                      it.is_at_rest() ? it.last_activity : Instant::min(), it.id());
-  };
-  return place(*one) < place(*other);
-}
-
 ClientSession* first_to_go(const std::vector<ClientSession*>& candidates) {
-  const auto first = std::ranges::min_element(candidates, goes_before);
+  const auto place = [](const ClientSession* it) {
+    return std::tuple(it->has_asked, !it->is_at_rest(),
+                      it->is_at_rest() ? it->last_activity : Instant::min(), it->id());
+  };
+  const auto first = std::ranges::min_element(candidates, {}, place);
   return first == candidates.end() ? nullptr : *first;
 }
 
@@ -46,10 +43,7 @@ ClientSession* to_displace(Sessions& sessions, ListenerId listener, const Client
   for (const ClientSession* session : all) {
     ++counts[session->key()];
   }
-  std::size_t most = 1;
-  for (const auto& [client, connections] : counts) {
-    most = std::max(most, connections);
-  }
+  const std::size_t most = std::ranges::max(counts | std::views::values);
   const bool is_newcomer = most > 1 && counts[newcomer] == most;
   std::erase_if(all, [&](const ClientSession* it) {
     const bool is_loser = is_newcomer ? it->key() == newcomer : counts[it->key()] == most;

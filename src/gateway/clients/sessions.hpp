@@ -4,7 +4,6 @@
 // removes it.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>

@@ -16,11 +16,6 @@ constexpr Duration kPause = std::chrono::milliseconds(50);
 /// A line that is never silent is told of all the same.
 constexpr Duration kLongestUnasked = std::chrono::seconds(1);
 
-bool is_over(const WireTrace& unasked, Instant now) {
-  return now - unasked.ended_at >= kPause || now - unasked.sent_at >= kLongestUnasked ||
-         unasked.not_kept > 0;
-}
-
 void keep(WireTrace& wire, modbus::Bytes bytes, Instant now) {
   std::size_t kept = 0;
   for (const HeardBytes& part : wire.heard) {
@@ -207,7 +202,8 @@ void LineTrace::answered(std::uint32_t request, Instant now) {
 }
 
 void LineTrace::rest(Instant now) {
-  if (unasked_ && is_over(*unasked_, now)) {
+  if (unasked_ && (now - unasked_->ended_at >= kPause ||
+                   now - unasked_->sent_at >= kLongestUnasked || unasked_->not_kept > 0)) {
     end_unasked();
   }
 }

@@ -104,26 +104,20 @@ void TraceBook::heard(BusId bus, modbus::Bytes bytes, Instant now) {
 
 void TraceBook::collect(LineTrace& line) {
   for (const LineTrace::Told& told : line.take()) {
-    give(told);
-  }
-}
-
-void TraceBook::give(const LineTrace::Told& told) {
-  bool is_given = false;
-  for (const std::uint32_t request : told.title.requests) {
-    const auto open = open_.find(request);
-    if (open == open_.end()) {
-      continue;
+    bool is_given = false;
+    for (const std::uint32_t request : told.title.requests) {
+      if (const auto open = open_.find(request); open != open_.end()) {
+        is_given = true;
+        if (open->second.wire.size() < kMostWires) {
+          open->second.wire.push_back(told.wire);
+        } else {
+          ++open->second.wire_not_kept;
+        }
+      }
     }
-    is_given = true;
-    if (open->second.wire.size() < kMostWires) {
-      open->second.wire.push_back(told.wire);
-    } else {
-      ++open->second.wire_not_kept;
+    if (!is_given) {
+      finish({std::nullopt, {told.wire}, 0, std::nullopt});
     }
-  }
-  if (!is_given) {
-    finish({std::nullopt, {told.wire}, 0, std::nullopt});
   }
 }
 

@@ -119,7 +119,6 @@ class TraceBook {
   [[nodiscard]] WireTrace blank(BusId bus, std::uint8_t address = 0) const;
   /// Takes over what has come to its end on the line.
   void collect(LineTrace& line);
-  void give(const LineTrace::Told& told);
   void finish(TraceRecord record);
 
   const SettingsHistory& settings_;

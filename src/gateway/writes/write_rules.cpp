@@ -11,14 +11,12 @@ using modbus::ExceptionCode;
 WriteRules::WriteRules(const SettingsSnapshot& settings)
     : settings_(&settings), known_(settings.settings.devices.size()) {}
 
-bool WriteRules::is_stop(const drive::Transaction& transaction) const {
-  return std::ranges::any_of(settings_->devices.addressed_by(transaction), [&](std::size_t place) {
-    return settings_->settings.devices[place].is_stop(transaction.request);
-  });
-}
-
 bool WriteRules::is_stop(const routing::Plan& plan) const {
-  const auto part_stops = [this](const auto& it) { return is_stop(it); };
+  const auto part_stops = [this](const drive::Transaction& part) {
+    return std::ranges::any_of(settings_->devices.addressed_by(part), [&](std::size_t device) {
+      return settings_->settings.devices[device].is_stop(part.request);
+    });
+  };
   const bool for_all = plan.transactions().back().broadcast.has_value();
   return !plan.is_read() && (for_all ? std::ranges::any_of(plan.transactions(), part_stops)
                                      : std::ranges::all_of(plan.transactions(), part_stops));

@@ -66,7 +66,6 @@ class WriteRules {
     ClientKey writer{};                    ///< that wrote last
     Instant wrote_at = Instant::min();
   };
-  [[nodiscard]] bool is_stop(const drive::Transaction& transaction) const;
   [[nodiscard]] std::optional<Objection> objection(std::size_t device, const WriteOrigin& origin,
                                                    Instant now) const;
   void note_stop(Known& known, std::optional<ClientId> client, Instant now) const;
