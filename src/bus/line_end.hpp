@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <boost/container/static_vector.hpp>
 #include <cstdint>
-#include <string_view>
+#include <optional>
 #include <vector>
 
 #include "bus/job.hpp"
@@ -23,19 +23,6 @@ enum class LineState : std::uint8_t {
   waiting_turnaround_delay,
   draining  ///< something other than a response was received, and the line is not silent yet
 };
-
-/// The state's name for status displays.
-constexpr std::string_view to_text(LineState state) {
-  switch (state) {
-    case LineState::initial: return "initial";
-    case LineState::idle: return "idle";
-    case LineState::emission: return "emission";
-    case LineState::waiting_for_reply: return "waiting for reply";
-    case LineState::waiting_turnaround_delay: return "waiting turnaround delay";
-    case LineState::draining: return "draining";
-  }
-  return "";
-}
 
 /// An earlier transmission to the same device, with the same function code, whose answer may still
 /// come.
@@ -56,6 +43,27 @@ inline OwedAnswers::iterator first_fit(OwedAnswers& owed, const modbus::Pdu& res
     return is_fitting(modbus::check_response(it.asked, response.bytes()));
   });
 }
+
+/// Unsolicited frames of one piece of bytes that a framer keeps until they are taken.
+inline constexpr std::size_t kMostUnsolicited = 16;
+
+/// The verdict of a framer on the bytes that it was given.
+enum class Verdict : std::uint8_t {
+  none,      ///< nothing yet
+  response,  ///< found() has it
+  damaged    ///< a frame of the right unit, function and length, with a wrong CRC or LRC
+};
+
+/// The response that a framer has found. It lasts until the next call of expect() or again().
+struct FoundResponse {
+  std::optional<modbus::Pdu> pdu;
+  /// When its first byte came. On a line that keeps its pace: when that began at the latest,
+  /// because each of its bytes has taken its time on the wire, however they were read.
+  Instant began;
+  bool came_first = false;  ///< nothing at all came before it since expect()
+  /// Bytes before it, or before the damaged frame, that were no part of it.
+  std::size_t noise = 0;
+};
 
 /// How a transmission ended.
 struct LineEnd {

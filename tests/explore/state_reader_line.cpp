@@ -94,11 +94,11 @@ void StateReader::read(const bus::Echo& echo, bool is_running, Hash& hash) {
 
 void StateReader::read(const bus::RtuFramer& framer, Hash& hash) {
   // Settings: timing, slack. Known by the line: sent, and until when it is hurried. Counted only:
-  // counters. Set and read within one input: found, noise. Empty when the machine was asked for its
+  // counters. Set and read within one input: found. Empty when the machine was asked for its
   // actions: strays.
   const auto& [timing, slack, counters, transaction, sent, hurried, buffer, last_byte, answer,
-               answer_at, given, answers_another, discarding, behind_frame, found, noise, cut,
-               strays] = framer;
+               answer_at, given, answers_another, discarding, behind_frame, found, cut, strays] =
+      framer;
   const Duration reach = std::max(timing.t3_5(), slack);
   hash.add(transaction != nullptr);
   hash.since(last_byte, reach);

@@ -29,6 +29,18 @@ value seconds(const std::optional<gateway::Duration>& duration) {
   return duration ? value(std::chrono::duration<double>(*duration).count()) : value(nullptr);
 }
 
+const char* text_of(bus::LineState state) {
+  switch (state) {
+    case bus::LineState::initial: return "initial";
+    case bus::LineState::idle: return "idle";
+    case bus::LineState::emission: return "emission";
+    case bus::LineState::waiting_for_reply: return "waiting for reply";
+    case bus::LineState::waiting_turnaround_delay: return "waiting turnaround delay";
+    case bus::LineState::draining: return "draining";
+  }
+  return "";
+}
+
 const char* text_of(DeviceStatus::State state) {
   switch (state) {
     case DeviceStatus::State::not_asked: return "not asked";
@@ -73,7 +85,7 @@ object bus_json(const BusStatus& bus) {
               {"character_ms", nullptr},
               {"frame_gap_ms", nullptr},
               {"open", bus.is_open},
-              {"state", bus::to_text(bus.state)},
+              {"state", text_of(bus.state)},
               {"load_percent", bus.load},
               {"waiting", bus.waiting},
               {"quality", quality_json(bus.quality)},

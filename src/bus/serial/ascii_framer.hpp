@@ -10,8 +10,7 @@
 #include <optional>
 
 #include "bus/counters.hpp"
-#include "bus/job.hpp"
-#include "bus/serial/received_bytes.hpp"
+#include "bus/line_end.hpp"
 #include "modbus/frames.hpp"
 #include "modbus/rtu_timing.hpp"
 
@@ -53,8 +52,6 @@ class AsciiFramer {
   /// Is a frame complete if no LF follows its CR?
   [[nodiscard]] bool awaits_silence() const { return is_whole_; }
   [[nodiscard]] const FoundResponse& found() const { return found_; }
-  /// Where a frame begins is told by its ':'.
-  [[nodiscard]] static std::size_t noise() { return 0; }
   /// A good frame that answers nothing that was asked, each once.
   std::optional<UnsolicitedFrame> take_unsolicited() { return unsolicited_.take(); }
 

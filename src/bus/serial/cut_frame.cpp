@@ -6,12 +6,6 @@
 
 namespace mbgate::bus {
 
-void CutFrame::clear() {
-  kept_.clear();
-  begins_.reset();
-  pause_ = Duration{0};
-}
-
 // The oldest pieces go: a frame that begins so far back would be longer than any.
 void CutFrame::make_room(std::size_t size) {
   const std::size_t room = kept_.capacity() - size;
@@ -25,7 +19,7 @@ void CutFrame::make_room(std::size_t size) {
 
 void CutFrame::keep(modbus::Bytes bytes, Instant began, Instant last) {
   if (began - last_ > kLongestPauses || bytes.size() > kept_.capacity()) {
-    clear();
+    *this = {};
   }
   if (bytes.size() <= kept_.capacity()) {
     pause_ = kept_.empty() ? Duration{0} : std::max(pause_, began - last_);
@@ -58,14 +52,14 @@ bool CutFrame::may_go_on(modbus::Bytes bytes, Instant began, Duration slack) con
 
 std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant began) {
   if (began - last_ > kLongestPauses) {
-    clear();
+    *this = {};
   }
   if (kept_.empty() || bytes.empty()) {
     return std::nullopt;
   }
   // A good frame is no rest of another, whatever its bytes make with those.
   if (bytes.size() > 1 && good_frame(bytes)) {
-    clear();
+    *this = {};
     return std::nullopt;
   }
   const auto joined = joined_with(bytes);
@@ -80,7 +74,7 @@ std::optional<CutFrame::Joined> CutFrame::complete(modbus::Bytes bytes, Instant 
       continue;
     }
     const Duration pause = std::max(pause_, began - last_);
-    clear();
+    *this = {};
     if (at + frame->size <= before) {
       return std::nullopt;  // it was whole already, and was seen or given up
     }

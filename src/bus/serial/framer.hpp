@@ -14,19 +14,20 @@ namespace mbgate::bus {
 class Framer {
  public:
   Framer(const BusSettings& settings, const modbus::RtuTiming& timing, BusCounters& counters)
-      : framer_(make(settings, timing, counters)) {}
+      : framer_(settings.line.framing == Framing::ascii
+                    ? Variant(std::in_place_type<AsciiFramer>, timing,
+                              settings.frame_slack_or_default(), counters)
+                    : Variant(std::in_place_type<RtuFramer>, timing,
+                              settings.frame_slack_or_default(), counters)) {}
   /// Other times on the same line.
   void update(const BusSettings& settings) {
     std::visit([&](auto& framer) { framer.set_slack(settings.frame_slack_or_default()); }, framer_);
   }
 
   [[nodiscard]] FrameBytes encode(std::uint8_t address, const modbus::Pdu& pdu) const {
-    if (std::holds_alternative<AsciiFramer>(framer_)) {
-      const auto frame = modbus::encode_ascii(address, pdu);
-      return {frame.begin(), frame.end()};
-    }
-    const auto frame = modbus::encode_rtu(address, pdu);
-    return {frame.begin(), frame.end()};
+    const auto copied = [](const auto& frame) { return FrameBytes(frame.begin(), frame.end()); };
+    return std::holds_alternative<AsciiFramer>(framer_) ? copied(modbus::encode_ascii(address, pdu))
+                                                        : copied(modbus::encode_rtu(address, pdu));
   }
   void expect(const Transaction& transaction, Instant sent) {
     std::visit([&](auto& framer) { framer.expect(transaction, sent); }, framer_);
@@ -67,25 +68,12 @@ class Framer {
         [](const auto& framer) -> const auto& { return framer.found(); }, framer_);
   }
   [[nodiscard]] const modbus::Pdu& response() const { return *found().pdu; }
-  [[nodiscard]] std::size_t noise() const {
-    return std::visit([](const auto& framer) { return framer.noise(); }, framer_);
-  }
   std::optional<UnsolicitedFrame> take_unsolicited() {
     return std::visit([](auto& framer) { return framer.take_unsolicited(); }, framer_);
   }
 
  private:
   using Variant = std::variant<RtuFramer, AsciiFramer>;
-  static Variant make(const BusSettings& settings, const modbus::RtuTiming& timing,
-                      BusCounters& counters) {
-    if (settings.line.framing == Framing::ascii) {
-      return Variant(std::in_place_type<AsciiFramer>, timing, settings.frame_slack_or_default(),
-                     counters);
-    }
-    return Variant(std::in_place_type<RtuFramer>, timing, settings.frame_slack_or_default(),
-                   counters);
-  }
-
   Variant framer_;
 };
 

@@ -155,8 +155,7 @@ void RtuFramer::accept(const RtuFind& response) {
   }
   found_ = {modbus::Pdu::from(
                 buffer_.bytes().subspan(response.at + 1, response.size - modbus::kRtuOverhead)),
-            began, response.at == 0 && buffer_.size() == given_};
-  noise_ = response.at;
+            began, response.at == 0 && buffer_.size() == given_, response.at};
   counters_.noise_bytes += response.at;
   buffer_.drop(response.at + response.size);
   is_behind_frame_ = true;
@@ -204,9 +203,9 @@ Verdict RtuFramer::handle_deadline(Instant now) {
       return Verdict::response;
     }
     if (answer_ == Answer::bad_crc) {
-      noise_ = answer_at_;
-      counters_.noise_bytes += noise_;
-      buffer_.drop(noise_);
+      found_.noise = answer_at_;
+      counters_.noise_bytes += answer_at_;
+      buffer_.drop(answer_at_);
       return Verdict::damaged;
     }
     discard();
@@ -218,7 +217,7 @@ Verdict RtuFramer::handle_deadline(Instant now) {
 Verdict RtuFramer::end_by_silence() {
   const auto frame = modbus::decode_rtu(buffer_.bytes());
   if (!frame) {
-    noise_ = 0;
+    found_.noise = 0;
     return Verdict::damaged;
   }
   if (is_fitting(modbus::check_response(transaction_->request, frame->pdu.bytes()))) {

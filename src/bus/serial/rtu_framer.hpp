@@ -14,9 +14,6 @@
 #include <optional>
 
 #include "bus/counters.hpp"
-#include "bus/instant.hpp"
-#include "bus/job.hpp"
-#include "bus/serial/received_bytes.hpp"
 #include "bus/serial/rtu_search.hpp"
 #include "modbus/frames.hpp"
 #include "modbus/response.hpp"
@@ -61,7 +58,6 @@ class CutFrame {
   using Together = boost::container::static_vector<std::uint8_t, 2 * modbus::kMaxRtuSize>;
   /// What is kept, and these bytes behind it.
   [[nodiscard]] Together joined_with(modbus::Bytes bytes) const;
-  void clear();
   void make_room(std::size_t size);
 
   boost::container::static_vector<std::uint8_t, modbus::kMaxRtuSize> kept_;
@@ -108,8 +104,6 @@ class RtuFramer {
     return answer_ != Answer::not_begun && answer_ != Answer::incomplete;
   }
   [[nodiscard]] const FoundResponse& found() const { return found_; }
-  /// Bytes before the response, or before the damaged one, that were no part of it.
-  [[nodiscard]] std::size_t noise() const { return noise_; }
   /// A good frame that answers nothing that was asked, each once.
   std::optional<UnsolicitedFrame> take_unsolicited() { return unsolicited_.take(); }
 
@@ -140,7 +134,6 @@ class RtuFramer {
   bool discarding_ = false;       // the buffer is no frame: everything until silence is stray
   bool is_behind_frame_ = false;  // without a silence between
   FoundResponse found_;
-  std::size_t noise_ = 0;
   CutFrame cut_;
   Untold<UnsolicitedFrame, kMostUnsolicited> unsolicited_;
 };

@@ -137,7 +137,7 @@ void SerialDiscipline::end(LineEnd::How how) {
   const bool framed = how == LineEnd::How::response || how == LineEnd::How::damaged;
   end_->heard = heard_;
   end_->heard_after = heard_ > 0 ? heard_at_ - silence_.emission_ends() : Duration{0};
-  end_->noise = framed ? framer_.noise() : 0;
+  end_->noise = framed ? framer_.found().noise : 0;
   end_->may_be_echo = may_be_echo_;
   while (const auto before = framer_.take_unsolicited()) {
     refused_.add(*before);

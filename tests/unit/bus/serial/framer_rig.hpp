@@ -9,7 +9,7 @@
 
 #include "bus/counters.hpp"
 #include "bus/job.hpp"
-#include "bus/serial/received_bytes.hpp"
+#include "bus/line_end.hpp"
 #include "support/hex.hpp"
 
 namespace mbgate::test {

@@ -39,8 +39,8 @@ TEST_F(RtuNoise, OfAnyValueIsSkipped) {
     expect(kRead);
     const Verdict verdict = add(noise + (" " + kAnswer));
     EXPECT_EQ(verdict == Verdict::none ? after(20ms) : verdict, Verdict::response) << noise;
-    EXPECT_EQ(framer_.noise(), unhex(noise).size());
-    skipped += framer_.noise();
+    EXPECT_EQ(framer_.found().noise, unhex(noise).size());
+    skipped += framer_.found().noise;
     EXPECT_EQ(response(), "03 04 00 03 0D 40");
   }
   EXPECT_EQ(counters_.noise_bytes, skipped);
@@ -176,11 +176,11 @@ TEST_F(RtuNoise, BeforeADamagedAnswerIsToldFromIt) {
   expect(kRead);
   EXPECT_EQ(add("FE F8 01 03 04 00 03 0D 41 0F 53"), Verdict::none);
   EXPECT_EQ(after(20ms), Verdict::damaged);
-  EXPECT_EQ(framer_.noise(), 2U);
+  EXPECT_EQ(framer_.found().noise, 2U);
   expect("46 01 02");
   EXPECT_EQ(add("01 46 AA BB 00 00"), Verdict::none);
   EXPECT_EQ(after(20ms), Verdict::damaged);
-  EXPECT_EQ(framer_.noise(), 0U);
+  EXPECT_EQ(framer_.found().noise, 0U);
 }
 
 TEST_F(RtuNoise, NothingIsTakenOutOfTheFrameOfAnotherUnit) {
@@ -271,7 +271,7 @@ TEST_F(RtuNoise, NeverMakesAnAnswerOfACandidateUnderWay) {
   // Eighteen bytes of data that hold a whole answer's beginning.
   EXPECT_EQ(trickle(frame("01 03 12 01 03 12 01 03 12 01 03 12 01 03 12 01 03 12 01 03 12")),
             Verdict::response);
-  EXPECT_EQ(framer_.noise(), 0U);
+  EXPECT_EQ(framer_.found().noise, 0U);
 }
 
 }  // namespace
