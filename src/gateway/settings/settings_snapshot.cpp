@@ -165,17 +165,17 @@ std::optional<std::size_t> DeviceIndex::at(drive::BusId bus, std::uint8_t addres
 }
 
 DevicePlaces DeviceIndex::reached_by(const drive::Transaction& transaction) const {
-  if (!transaction.broadcast) {
-    const auto place = at(transaction.bus, transaction.address);
-    return place ? DevicePlaces{*place} : DevicePlaces{};
+  DevicePlaces reached;
+  if (const auto place = at(transaction.bus, transaction.address); !transaction.broadcast) {
+    reached.assign(place ? 1 : 0, place.value_or(0));
+    return reached;
   }
-  DevicePlaces all;
   for (std::size_t place = 0; place < devices_.size(); ++place) {
     if (devices_[place].bus == transaction.bus) {
-      all.push_back(place);
+      reached.push_back(place);
     }
   }
-  return all;
+  return reached;
 }
 
 DevicePlaces DeviceIndex::addressed_by(const drive::Transaction& transaction) const {
