@@ -141,7 +141,7 @@ QualityVerdict LineQuality::verdict() const {
   QualityVerdict verdict = crcs_.verdict();
   if (!crcs_.is_known()) {
     verdict.quality = Quality::unknown;
-  } else if (std::ranges::count(reported_, Quality::bad_crc) < 2) {
+  } else if (crcs_.is_bad() && std::ranges::count(reported_, Quality::bad_crc) < 2) {
     verdict.quality = Quality::good;
   }
   return verdict;
