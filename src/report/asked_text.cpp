@@ -5,7 +5,7 @@
 
 #include "gateway/limits.hpp"
 #include "modbus/describe.hpp"
-#include "report/event_text.hpp"
+#include "report/text.hpp"
 
 namespace mbgate::report {
 namespace {

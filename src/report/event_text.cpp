@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/event_text.hpp"
-
 #include <algorithm>
 #include <bitset>
 #include <fmt/format.h>
@@ -11,6 +9,7 @@
 #include "base/text.hpp"
 #include "modbus/describe.hpp"
 #include "report/findings/findings.hpp"
+#include "report/text.hpp"
 
 namespace mbgate::report {
 namespace {

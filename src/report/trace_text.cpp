@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/trace_text.hpp"
-
 #include <algorithm>
 #include <array>
 #include <fmt/core.h>
 
 #include "modbus/describe.hpp"
 #include "modbus/response.hpp"
+#include "report/text.hpp"
 
 namespace mbgate::report {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the machine wants done, and whether it may want that.
 #include "fuzz/driver.hpp"
-#include "report/event_text.hpp"
+#include "report/text.hpp"
 
 namespace mbgate::fuzz {
 

@@ -15,7 +15,7 @@ except ImportError:
 MUTATORS = ("drop", "negate", "shift", "exchange", "return")
 HEADER = pathlib.Path(__file__).with_name("mutation.hpp")
 # What is said for people alone, and what only shows the state to tests.
-LEFT_OUT = re.compile(r"^src/gateway/(trace|recording|status)/|/describe\.|text\.[ch]pp$|/event\.hpp$|_reader\.hpp$")
+LEFT_OUT = re.compile(r"^src/gateway/(trace|status)/|/describe\.|text\.[ch]pp$|/event\.hpp$|_reader\.hpp$")
 
 
 class Mutant(NamedTuple):

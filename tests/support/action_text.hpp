@@ -8,7 +8,7 @@
 
 #include "gateway/action.hpp"
 #include "modbus/describe.hpp"
-#include "report/event_text.hpp"
+#include "report/text.hpp"
 
 namespace mbgate::test {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "report/event_text.hpp"
+#include "report/text.hpp"
 #include "support/gateway_harness.hpp"
 #include "support/hex.hpp"
 

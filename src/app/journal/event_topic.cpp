@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <variant>
 
-#include "report/event_text.hpp"
+#include "report/text.hpp"
 
 namespace mbgate::app {
 namespace {

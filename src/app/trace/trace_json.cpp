@@ -11,7 +11,7 @@
 #include "config/toml/match_entry.hpp"
 #include "modbus/describe.hpp"
 #include "modbus/mbap.hpp"
-#include "report/trace_text.hpp"
+#include "report/text.hpp"
 
 namespace mbgate::app {
 namespace {

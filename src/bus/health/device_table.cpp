@@ -31,7 +31,7 @@ DeviceTable::DeviceTable(const BusSettings& settings, std::span<const drive::Dev
   update(settings, devices);
 }
 
-DeviceEntry& DeviceTable::begin(std::uint8_t address) {
+DeviceEntry& DeviceTable::add(std::uint8_t address) {
   return *(entries_.at(address) = std::make_unique<DeviceEntry>(unused_));
 }
 

@@ -125,7 +125,7 @@ class DeviceTable {
   Addresses update(const BusSettings& settings, std::span<const drive::Device> devices);
   [[nodiscard]] DeviceEntry& operator[](std::uint8_t address) {
     const auto& entry = entries_.at(address);
-    return entry ? *entry : begin(address);
+    return entry ? *entry : add(address);
   }
   [[nodiscard]] const DeviceEntry& operator[](std::uint8_t address) const {
     const auto& entry = entries_.at(address);
@@ -159,7 +159,7 @@ class DeviceTable {
 
  private:
   /// An address is used for the first time.
-  DeviceEntry& begin(std::uint8_t address);
+  DeviceEntry& add(std::uint8_t address);
 
   drive::Device other_;
   DeviceEntry unused_;  // what an address begins with: broadcasts are writes to it too

@@ -89,7 +89,8 @@ void Requests::answer_at_once(ClientSession& session, const Request& request,
 
 void Requests::begin(ClientSession& session, Request& request, Instant now) {
   const WriteOrigin origin = request.origin(session);
-  // Of what is asked of the status unit only 08/0A changes anything, and that is always told.
+  // What the status unit is asked is not among these: only 08/0A changes anything there, and that
+  // is always told.
   if (settings_.settings().audit && !request.plan->is_read()) {
     actions_.push(Report{WriteAccepted{asked_of(session.info(), request.adu), request.is_stop,
                                        target_of(*request.plan)}});

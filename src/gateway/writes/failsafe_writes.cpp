@@ -253,7 +253,7 @@ void FailsafeWrites::adopt(const SettingsSnapshot& before) {
         keeps_line(before.settings, next.settings, device.bus) &&
         std::ranges::equal(before.guard(place).failsafe, next.guard(*same).failsafe, {},
                            &modbus::Request::pdu, &modbus::Request::pdu);
-    const auto due = watch.due;
+    const auto anew = goes_on ? std::nullopt : watch.due;
     if (!goes_on) {
       abandon(watch);
     }
@@ -261,8 +261,8 @@ void FailsafeWrites::adopt(const SettingsSnapshot& before) {
       report(device, watch, FailsafeOutcome::device_gone);
     } else if (known != watches_.end()) {
       known->second = watch;
-      if (due && !goes_on) {
-        begin(known->first, known->second, *due);
+      if (anew) {
+        begin(known->first, known->second, *anew);
       }
     }
   }

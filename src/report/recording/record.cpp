@@ -12,7 +12,7 @@
 
 #include "base/text.hpp"
 #include "gateway/limits.hpp"
-#include "report/event_text.hpp"
+#include "report/text.hpp"
 
 namespace mbgate::report {
 namespace {

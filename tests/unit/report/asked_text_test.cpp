@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "report/event_text.hpp"
+#include "report/text.hpp"
 #include "support/hex.hpp"
 
 namespace mbgate::report {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/trace_text.hpp"
-
 #include <gtest/gtest.h>
 
 #include "modbus/frames.hpp"
+#include "report/text.hpp"
 #include "support/hex.hpp"
 
 namespace mbgate::test {

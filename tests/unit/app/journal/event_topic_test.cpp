@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "report/event_text.hpp"
+#include "report/text.hpp"
 
 namespace mbgate::app {
 namespace {

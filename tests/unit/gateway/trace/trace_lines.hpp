@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "report/trace_text.hpp"
+#include "gateway/trace/trace_record.hpp"
 #include "support/machine_rig.hpp"
 
 namespace mbgate::test {
